@@ -1,0 +1,34 @@
+"""The errors that a user can mend: printed as lines, never as a traceback."""
+
+from collections.abc import Iterable
+
+from attrs import frozen
+
+
+class CrashkitError(Exception):
+    """An error that a user can mend; the command line prints it and exits with status 2."""
+
+
+@frozen
+class Fault:
+    """One thing that is not as the contract says."""
+
+    place: str
+    expected: str
+    found: str
+
+    def __str__(self) -> str:
+        return f"{self.place}: expected {self.expected}, found {self.found}"
+
+
+class ContractError(CrashkitError):
+    """Input that breaks a contract; lists every fault, one line each."""
+
+    def __init__(self, source: str, faults: Iterable[Fault]) -> None:
+        self.source = source
+        self.faults = tuple(faults)
+        super().__init__("\n".join(f"{source}: {fault}" for fault in self.faults))
+
+
+class SimulationError(CrashkitError):
+    """A simulation that could not be carried to its end."""

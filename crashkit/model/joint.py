@@ -1,0 +1,32 @@
+"""Joints: non-linear springs between the bodies, the arcs of an oriented multigraph."""
+
+from collections.abc import Mapping
+
+from attrs import field, frozen
+
+from crashkit.model.parameter import Parameter
+
+
+@frozen
+class Joint:
+    """A spring between two bodies; its deformation is positive when they approach.
+
+    F = law(d, ddot, d_max) times every factor; several joints between the same two bodies add up.
+
+    Arguments:
+        name: unique in the model.
+        bodies: names of the two bodies.
+        law: name of the SpringLaw plugin that gives the force.
+        parameters: of the law and of the factors by name; a tuple where the law declares a vector.
+        factors: names of SpringLaw plugins with unit "1" that multiply the law.
+        points: m, attachment in each body's frame; None: the centres of mass.
+        free_length: m, the distance at which the deformation is 0; None: the distance at t = 0.
+    """
+
+    name: str
+    bodies: tuple[str, str]
+    law: str
+    parameters: Mapping[str, Parameter | tuple[Parameter, ...]]
+    factors: tuple[str, ...] = field(default=())
+    points: tuple[tuple[float, ...], tuple[float, ...]] | None = None
+    free_length: Parameter | None = None

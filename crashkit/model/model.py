@@ -1,0 +1,107 @@
+"""The model: bodies, joints and the errors of the instruments that watch them."""
+
+from collections.abc import Iterator, Mapping
+
+from attrs import evolve, field, frozen
+
+from crashkit.model.body import Body
+from crashkit.model.instrument import InstrumentErrors
+from crashkit.model.joint import Joint
+from crashkit.model.parameter import Parameter
+
+
+@frozen
+class Model:
+    """A structure as rigid bodies joined by springs (Mizzi & Jezequel 1992, eq 2-11).
+
+    Every number that could be identified has a path: `body.NAME.mass`, `joint.NAME.PARAMETER`, `joint.NAME.PARAMETER[i]`,
+    `joint.NAME.free_length`, `instrument.GROUP.SENSOR.PARAMETER` (SENSOR empty for the whole instrument).
+    """
+
+    name: str
+    axes: tuple[str, ...]
+    bodies: tuple[Body, ...]
+    joints: tuple[Joint, ...]
+    instruments: tuple[InstrumentErrors, ...] = field(default=())
+
+    def body(self, name: str) -> Body:
+        """The body of that name; raises KeyError."""
+        return {body.name: body for body in self.bodies}[name]
+
+    def joint(self, name: str) -> Joint:
+        """The joint of that name; raises KeyError."""
+        return {joint.name: joint for joint in self.joints}[name]
+
+    def parameters(self) -> dict[str, Parameter]:
+        """Every parameter by its path, in the order of the file."""
+        return dict(self._walk())
+
+    def free_parameters(self) -> dict[str, Parameter]:
+        """The parameters that an identification may move, by path."""
+        return {path: parameter for path, parameter in self._walk() if not parameter.fixed}
+
+    def with_parameters(self, changes: Mapping[str, Parameter]) -> "Model":
+        """The same model with these parameters replaced, by path; raises KeyError for a path it does not have."""
+        unknown = set(changes) - set(self.parameters())
+        if unknown:
+            raise KeyError(f"the model {self.name} has no parameter {', '.join(sorted(unknown))}")
+        return evolve(
+            self,
+            bodies=tuple(_replace_body(body, changes) for body in self.bodies),
+            joints=tuple(_replace_joint(joint, changes) for joint in self.joints),
+            instruments=tuple(_replace_instrument(errors, changes) for errors in self.instruments),
+        )
+
+    def with_values(self, values: Mapping[str, float]) -> "Model":
+        """The same model with these values, bounds and freedom unchanged."""
+        known = self.parameters()
+        return self.with_parameters({path: evolve(known[path], value=float(value)) for path, value in values.items()})
+
+    def _walk(self) -> Iterator[tuple[str, Parameter]]:
+        for body in self.bodies:
+            if body.mass is not None:
+                yield f"body.{body.name}.mass", body.mass
+        for joint in self.joints:
+            if joint.free_length is not None:
+                yield f"joint.{joint.name}.free_length", joint.free_length
+            for name, value in joint.parameters.items():
+                yield from _entries(f"joint.{joint.name}.{name}", value)
+        for errors in self.instruments:
+            for name, parameter in errors.parameters.items():
+                yield f"instrument.{errors.instrument}.{errors.sensor}.{name}", parameter
+
+
+def _entries(path: str, value: Parameter | tuple[Parameter, ...]) -> Iterator[tuple[str, Parameter]]:
+    if isinstance(value, Parameter):
+        yield path, value
+    else:
+        yield from ((f"{path}[{index}]", entry) for index, entry in enumerate(value))
+
+
+def _replace_body(body: Body, changes: Mapping[str, Parameter]) -> Body:
+    return evolve(body, mass=changes.get(f"body.{body.name}.mass", body.mass))
+
+
+def _replace_joint(joint: Joint, changes: Mapping[str, Parameter]) -> Joint:
+    prefix = f"joint.{joint.name}."
+    return evolve(
+        joint,
+        free_length=changes.get(f"{prefix}free_length", joint.free_length),
+        parameters={name: _replace(f"{prefix}{name}", value, changes) for name, value in joint.parameters.items()},
+    )
+
+
+def _replace(
+    path: str, value: Parameter | tuple[Parameter, ...], changes: Mapping[str, Parameter]
+) -> Parameter | tuple[Parameter, ...]:
+    if isinstance(value, Parameter):
+        return changes.get(path, value)
+    return tuple(changes.get(f"{path}[{index}]", entry) for index, entry in enumerate(value))
+
+
+def _replace_instrument(errors: InstrumentErrors, changes: Mapping[str, Parameter]) -> InstrumentErrors:
+    prefix = f"instrument.{errors.instrument}.{errors.sensor}."
+    return evolve(
+        errors,
+        parameters={name: changes.get(f"{prefix}{name}", entry) for name, entry in errors.parameters.items()},
+    )

@@ -1,0 +1,15 @@
+"""A number of a model that may be free to be identified."""
+
+import math
+
+from attrs import frozen
+
+
+@frozen
+class Parameter:
+    """A value with its bounds; `fixed` parameters are not identified."""
+
+    value: float
+    lower: float = -math.inf
+    upper: float = math.inf
+    fixed: bool = False

@@ -1,0 +1,24 @@
+"""The protocols: what a plugin implements, one page each."""
+
+from crashkit.protocols.hypothesis import Hypothesis, Proposal
+from crashkit.protocols.identifier import Identification, Identifier, Problem, Status
+from crashkit.protocols.importer import Importer
+from crashkit.protocols.observer import Observer, SensorErrors
+from crashkit.protocols.parameter import ParameterSpec
+from crashkit.protocols.smoother import Smoother
+from crashkit.protocols.spring_law import SpringLaw
+
+__all__ = [
+    "Hypothesis",
+    "Identification",
+    "Identifier",
+    "Importer",
+    "Observer",
+    "ParameterSpec",
+    "Problem",
+    "Proposal",
+    "SensorErrors",
+    "Smoother",
+    "SpringLaw",
+    "Status",
+]

@@ -1,0 +1,51 @@
+"""Observer: an instrument, forward (what it would record) and inverse (what it tells of the motion)."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import ClassVar
+
+import xarray as xr
+
+from crashkit.data.schema import GroupSchema
+from crashkit.protocols.parameter import ParameterSpec
+
+SensorErrors = Mapping[str, Mapping[str, float]]
+"""Error parameters by sensor name, "" for the whole instrument: {"engine_acc": {"gain": 1.02}, "": {"clock_offset": 1e-4}}."""
+
+
+class Observer(ABC):
+    """A forward and inverse pair between a motion and one instrument group of a recording.
+
+    Attributes:
+        name: the value of a group's attribute `observer`.
+        schema: the variables that such a group holds.
+        quantity: the recorded variable that simulation and test are compared in, for example "acceleration";
+            `<quantity>_std` is its standard deviation where known.
+        channel: its dimension of channels, "marker" or "sensor".
+        errors: the instrument's own error parameters; at their `null` the instrument is perfect.
+        instrument_errors: names of those errors that the whole instrument shares (its clock).
+    """
+
+    name: ClassVar[str]
+    schema: ClassVar[GroupSchema]
+    quantity: ClassVar[str]
+    channel: ClassVar[str]
+    errors: ClassVar[tuple[ParameterSpec, ...]] = ()
+    instrument_errors: ClassVar[tuple[str, ...]] = ()
+
+    @abstractmethod
+    def predict(self, motion: xr.Dataset, instrument: xr.Dataset, errors: SensorErrors | None = None) -> xr.Dataset:
+        """What the instrument would record of this motion, at the instrument's own time stamps.
+
+        The result holds `<quantity>` with the dims it has in `instrument`. If `motion` carries sensitivities
+        (`position_sensitivity` with a last dim `parameter`, and so on), it also holds `<quantity>_sensitivity` with a last
+        dim `parameter`, and always `<quantity>_error_sensitivity` with a last dim `error` (coordinate: the names of
+        `errors`), the derivative to each channel's own error parameters. Times outside the motion give NaN.
+        """
+
+    @abstractmethod
+    def reconstruct(self, instrument: xr.Dataset) -> xr.Dataset:
+        """What the recording alone says of the motion: the variables of a motion that it can give, by body.
+
+        Raises CrashkitError where the instrument cannot know, saying what is missing.
+        """

@@ -1,0 +1,33 @@
+"""SpringLaw: the force of a joint, or a factor that multiplies it, as one pure scalar function."""
+
+from abc import ABC
+from collections.abc import Callable
+from typing import ClassVar
+
+from crashkit.protocols.parameter import ParameterSpec
+
+
+class SpringLaw(ABC):
+    """The force of a joint from deformation, rate, largest deformation and parameters.
+
+    F = force(d, ddot, d_max, *parameters), with d positive in compression.
+
+    `force` is plain scalar Python: assignments, `if` with one comparison, `min`, `max`, `abs`, arithmetic, functions of
+    `math`, and `for i in range(len(vector) - 1)` over vector parameters. The engine reads its source, derives branches,
+    guards and partial derivatives from it, and compiles it. The engine owns the memory: it passes `d_max >= d`, the
+    largest deformation reached so far (at least 0), and while the joint is being loaded further `d_max` is `d` itself.
+    The value must be continuous in d, ddot and d_max.
+
+    Attributes:
+        name: as written in model files.
+        unit: "N" for a law; "1" for a factor that multiplies a law (a joint lists them under `factors`).
+        parameters: declared in the order in which `force` takes them.
+        passive: the law never gives out more energy than it took in (tested by the contract suite).
+        force: the pure scalar function, as a staticmethod.
+    """
+
+    name: ClassVar[str]
+    unit: ClassVar[str] = "N"
+    parameters: ClassVar[tuple[ParameterSpec, ...]]
+    passive: ClassVar[bool] = True
+    force: ClassVar[Callable[..., float]]
