@@ -1,0 +1,123 @@
+"""What a diagnosis says: for programs (diagnosis.json), for people (the text and the page)."""
+
+from collections.abc import Mapping
+from pathlib import PurePath
+
+import xarray as xr
+from attrs import field, frozen
+
+from crashkit.model import Model
+
+
+@frozen
+class Estimate:
+    """An identified number with its standard deviation, in `units`."""
+
+    value: float
+    std: float
+    units: str
+
+
+@frozen
+class Alternative:
+    """A rival explanation of the same misfit."""
+
+    physics: str
+    form: str
+    location: Mapping[str, object]
+    probability: float
+
+
+@frozen
+class Finding:
+    """One piece of physics that the model or an instrument's description left out.
+
+    Attributes:
+        physics, form: its name and its functional form.
+        sentence: what it is and where, for people.
+        probability: of this physics at this place, among everything that was tried.
+        location: one of joint, body, bodies, sensor, instrument.
+        runs: recordings in which it shows.
+        time: s, from when to when it acts.
+        phase: "loading", "unloading" or "both".
+        parameters: of the new physics, by name.
+        alternatives: rivals, the most probable first.
+        experiment: which test would separate the rivals, if any are left.
+    """
+
+    physics: str
+    form: str
+    sentence: str
+    probability: float
+    location: Mapping[str, object]
+    runs: tuple[str, ...]
+    time: tuple[float, float]
+    phase: str
+    parameters: Mapping[str, Estimate]
+    alternatives: tuple[Alternative, ...] = field(default=())
+    experiment: str = ""
+
+
+@frozen
+class Fit:
+    """How well a model predicts a set of runs.
+
+    Attributes:
+        normalised_rmse: root mean square of residual over its standard deviation, over all channels; 1 is the noise floor.
+        channels: Dataset over `channel` ("run/instrument/sensor") with `normalised_rmse`, `relative_rmse` (of the signal),
+            `rating` (ISO/TS 18571), `independent_samples`.
+    """
+
+    normalised_rmse: float
+    channels: xr.Dataset
+
+
+@frozen
+class Diagnosis:
+    """The answer to: do simulation and recording differ, where, why, and does modelling it help.
+
+    Attributes:
+        verdict: "consistent", "missing_physics", "sensor_fault" or "unexplained".
+        summary: about ten lines for people.
+        findings: what was found, the most certain first.
+        base_model: the given model, re-identified.
+        augmented_model: with the physics that was found.
+        fits: by set of runs ("calibration", "holdout") and model ("before", "after").
+        curves: one group per "run/instrument" with `recorded`, `before`, `after` and `std` over (time, channel), the
+            attributes `holdout` (0/1), `quantity` and `units`.
+        missing_force: one group per finding ("0", "1", ...) and run below it, over `time`: `missing_force` (N, from the
+            recordings by inverse dynamics), `missing_force_std`, `modelled_force` (what the finding adds), `deformation`,
+            `deformation_rate`; attributes `place`, `holdout`. Empty for sensors.
+        ranking: Dataset over `hypothesis` with `physics`, `form`, `place`, `round` (1 for the first finding, ...),
+            `parameters` (how many), `misfit_drop` (in chi squared), `left_out_drop` (on runs left out; NaN if not tried),
+            `probability`.
+        consistency: Dataset over `check` with `sentence`, `sigma` and `place`: instruments compared by kinematics alone.
+        identified: Dataset over `parameter` of the augmented model: `value`, `std`, `units`, `identifiable`, `before`.
+        notes: what cannot be trusted, and why.
+    """
+
+    verdict: str
+    summary: str
+    findings: tuple[Finding, ...]
+    base_model: Model
+    augmented_model: Model
+    fits: Mapping[str, Mapping[str, Fit]]
+    curves: xr.DataTree
+    missing_force: xr.DataTree
+    ranking: xr.Dataset
+    consistency: xr.Dataset
+    identified: xr.Dataset
+    notes: tuple[str, ...] = field(default=())
+
+
+def place_of(location: Mapping[str, object]) -> str:
+    """A location in words: {"joint": "front"} gives "joint front"."""
+    kind = next(key for key in ("joint", "bodies", "body", "sensor", "instrument") if key in location)
+    value = location[kind]
+    names = " and ".join(map(str, value)) if isinstance(value, list | tuple) else str(value)
+    return f"{kind} {names}"
+
+
+def run_name(path: PurePath | str) -> str:
+    """The name of a run in results: its file name."""
+    return PurePath(path).name
