@@ -1,1 +1,7 @@
-""""""
+"""Residuals in measurement space, the noise they are weighed against, and ratings of curves."""
+
+from crashkit.misfit.channel import Channel, Group
+from crashkit.misfit.noise import Noise, channel_noise
+from crashkit.misfit.problem import Misfit
+
+__all__ = ["Channel", "Group", "Misfit", "Noise", "channel_noise"]

@@ -1,0 +1,80 @@
+"""The noise of a recorded channel: its standard deviation, and how many samples make one independent one."""
+
+import numpy as np
+import xarray as xr
+from attrs import frozen
+from scipy.signal import periodogram
+
+from crashkit.data.channel_filter import correlation_samples
+
+
+@frozen
+class Noise:
+    """The noise of one channel.
+
+    Attributes:
+        std: of a sample as recorded, in the channel's unit.
+        correlation: samples that make one independent one (1 for white noise).
+        trusted: False where the level is only an estimate from a filtered channel, in which noise and signal look alike;
+            what a model leaves of such a channel is then compared by its size, not by `std`.
+        least: the level below which a residual no longer counts as better; the estimate may be too large by half.
+    """
+
+    std: float
+    correlation: float
+    trusted: bool
+    least: float = 0.0
+
+    @property
+    def weight(self) -> float:
+        """What a residual is multiplied by, so that its square counts as often as it is independent."""
+        return 1.0 / (self.std * np.sqrt(self.correlation))
+
+
+def channel_noise(instrument: xr.Dataset, quantity: str, channel: int, samples: np.ndarray, times: np.ndarray) -> Noise:
+    """The noise of one channel of an instrument group: given by `<quantity>_std`, else estimated from the samples.
+
+    Arguments:
+        instrument: group of a recording.
+        quantity: its recorded variable.
+        channel: position along the dimension of channels.
+        samples: (time,) of this channel; NaN where missing.
+        times: (time,) s.
+    """
+    interval = float(np.median(np.diff(times))) if len(times) > 1 else 1.0
+    filter_class = int(instrument.attrs.get("channel_frequency_class", 0))
+    correlation = correlation_samples(filter_class, interval)
+    declared = instrument.variables.get(f"{quantity}_std")
+    std = float(np.ravel(declared.values)[channel]) if declared is not None else np.nan
+    if np.isfinite(std) and std > 0:
+        return Noise(std, correlation, trusted=True)
+    present = samples[np.isfinite(samples)]
+    if filter_class:
+        estimate = _filtered_std(present, interval, filter_class, correlation)
+        return Noise(estimate, correlation, trusted=False, least=0.5 * estimate)
+    return Noise(_white_std(present), 1.0, trusted=True)
+
+
+def _white_std(samples: np.ndarray) -> float:
+    """White noise from fourth differences, which a smooth signal hardly has."""
+    differences = np.diff(samples, 4)
+    # 70 = sum of squares of the binomial coefficients 1 4 6 4 1; 0.6745 makes the median that of a normal distribution.
+    return _positive(np.median(np.abs(differences)) / 0.6745 / np.sqrt(70.0), samples)
+
+
+def _filtered_std(samples: np.ndarray, interval: float, filter_class: int, correlation: float) -> float:
+    """Filtered noise from the spectrum about the filter's corner, where a structure moves least and noise still passes."""
+    corner = filter_class / 0.6
+    frequency, density = periodogram(samples, 1.0 / interval, window="hann")
+    band = density[(frequency > 0.7 * corner) & (frequency < 1.2 * corner)]
+    if len(band) < 4:
+        return _positive(0.0, samples)
+    # ln 2: the median of a periodogram's exponential distribution; 0.5: the filter's mean power gain over that band.
+    level = np.median(band) / np.log(2.0) / 0.5
+    return _positive(np.sqrt(level / (2.0 * interval * correlation)), samples)
+
+
+def _positive(std: float, samples: np.ndarray) -> float:
+    """A noise-free channel still has the resolution of its numbers."""
+    scale = float(np.max(np.abs(samples), initial=0.0))
+    return max(float(std), 1e-9 * scale, 1e-12)

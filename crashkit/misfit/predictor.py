@@ -1,0 +1,107 @@
+"""What a model predicts that the instruments of some recordings would read."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+from attrs import frozen
+
+from crashkit.mechanics import Simulator
+from crashkit.misfit.channel import Group
+from crashkit.model import Model
+from crashkit.protocols import SensorErrors
+
+SAME_INSTANT = 1e-9
+"""s; time stamps closer than this are one instant written by two instruments."""
+
+
+@frozen
+class Prediction:
+    """The predicted samples of one group as (time, column), and their derivatives as (time, column, parameter)."""
+
+    samples: np.ndarray
+    sensitivity: np.ndarray | None
+
+
+class Predictor:
+    """Simulates a model in the conditions of each run and lets each instrument observe it."""
+
+    def __init__(self, model: Model, recordings: Mapping[str, xr.DataTree], groups: Sequence[Group], simulator: Simulator):
+        self.model = model
+        self.simulator = simulator
+        self.groups = tuple(groups)
+        self.names = tuple(model.free_parameters())
+        self._structural = tuple(name for name in self.names if not name.startswith("instrument."))
+        self._initial = {run: initial_state(recording) for run, recording in recordings.items()}
+        margin = _clock_margin(model)
+        self._times = {run: _instants([g.times for g in self.groups if g.run == run], margin) for run in recordings}
+
+    def motion(self, run: str, values: Mapping[str, float], sensitivities: bool = False) -> xr.Dataset:
+        """The simulated motion of one run at every instant that one of its instruments reads."""
+        wanted = self._structural if sensitivities else ()
+        return self.simulator.run(self._times[run], values, initial=self._initial[run], sensitivities=wanted)
+
+    def predict(self, values: Mapping[str, float], sensitivities: bool = False) -> list[Prediction]:
+        """The predictions for every group, in order; `values` by parameter path."""
+        structural = {name: values[name] for name in self._structural}
+        motions = {run: self.motion(run, structural, sensitivities) for run in self._times}
+        errors = instrument_errors(self.model, values)
+        return [self._observe(group, motions[group.run], errors, sensitivities) for group in self.groups]
+
+    def _observe(self, group: Group, motion: xr.Dataset, errors: Mapping[str, SensorErrors], sensitivities: bool) -> Prediction:
+        observer = group.observer
+        read = observer.predict(motion, group.dataset, errors.get(group.name))
+        samples = read.variables[observer.quantity].values.reshape(group.recorded.shape)
+        if not sensitivities:
+            return Prediction(samples, None)
+        table = np.zeros((*samples.shape, len(self.names)))
+        if self._structural:
+            columns = [self.names.index(name) for name in self._structural]
+            given = read.variables[f"{observer.quantity}_sensitivity"].values
+            table[:, :, columns] = given.reshape(*samples.shape, len(columns))
+        own = read.variables[f"{observer.quantity}_error_sensitivity"].values.reshape(*samples.shape, -1)
+        self._add_error_columns(table, group, own)
+        return Prediction(samples, table)
+
+    def _add_error_columns(self, table: np.ndarray, group: Group, own: np.ndarray) -> None:
+        declared = [spec.name for spec in group.observer.errors]
+        for entry in self.model.instruments:
+            if entry.instrument != group.name:
+                continue
+            watched = [i for i, channel in enumerate(group.channels) if entry.sensor in ("", channel.sensor)]
+            for name in entry.parameters:
+                path = f"instrument.{entry.instrument}.{entry.sensor}.{name}"
+                if path in self.names:
+                    table[:, watched, self.names.index(path)] = own[:, watched, declared.index(name)]
+
+
+def instrument_errors(model: Model, values: Mapping[str, float]) -> dict[str, dict[str, dict[str, float]]]:
+    """The instruments' error parameters as Observers take them: by instrument, sensor and name."""
+    errors: dict[str, dict[str, dict[str, float]]] = {}
+    for entry in model.instruments:
+        prefix = f"instrument.{entry.instrument}.{entry.sensor}."
+        known = {name: values.get(prefix + name, parameter.value) for name, parameter in entry.parameters.items()}
+        errors.setdefault(entry.instrument, {}).setdefault(entry.sensor, {}).update(known)
+    return errors
+
+
+def initial_state(recording: xr.DataTree) -> xr.Dataset | None:
+    """The recording's state at t = 0, if it holds one."""
+    node = recording.children.get("initial")
+    return node.to_dataset(inherit=False) if node is not None else None
+
+
+def _clock_margin(model: Model) -> float:
+    """How far a free clock may reach beyond the last time stamp."""
+    clocks = [p for entry in model.instruments for name, p in entry.parameters.items() if name == "clock_offset"]
+    return max((abs(bound) for p in clocks for bound in (p.lower, p.upper) if np.isfinite(bound)), default=0.0)
+
+
+def _instants(stamps: Sequence[np.ndarray], margin: float) -> np.ndarray:
+    """Every instant from t = 0 that some instrument reads, and on to `margin` after the last."""
+    merged = np.unique(np.concatenate([[0.0], *stamps]))
+    merged = merged[merged >= 0.0]
+    merged = merged[np.concatenate([[True], np.diff(merged) > SAME_INSTANT])]
+    if margin:
+        merged = np.concatenate([merged, merged[-1] + np.linspace(0.0, margin, 1 + round(margin / 1e-4))[1:]])
+    return merged

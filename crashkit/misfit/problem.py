@@ -1,0 +1,178 @@
+"""The misfit between a model and recordings in measurement space: what an Identifier minimises."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from attrs import evolve
+
+from crashkit.mechanics import Engine, Simulator
+from crashkit.misfit.channel import Channel, Group, groups_of
+from crashkit.misfit.predictor import Prediction, Predictor
+from crashkit.model import Model
+from crashkit.protocols import Observer, SpringLaw
+
+
+class Misfit:
+    """Weighted residuals (recorded - predicted) / std of a model over recordings; a Problem for identifiers.
+
+    Arguments:
+        model: its free parameters are the unknowns.
+        recordings: by run name.
+        laws, observers: installed plugins by name.
+        engine: a compiled engine that holds the model's laws; None compiles one.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        recordings: Mapping[str, xr.DataTree],
+        laws: Mapping[str, type[SpringLaw]],
+        observers: Mapping[str, type[Observer]],
+        engine: Engine | None = None,
+    ) -> None:
+        bodies = frozenset(body.name for body in model.bodies)
+        groups = [group for run, tree in recordings.items() for group in groups_of(run, tree, observers, bodies)]
+        self._setup(model, recordings, groups, Simulator(model, laws, engine))
+
+    def _setup(self, model: Model, recordings: Mapping[str, xr.DataTree], groups: list[Group], simulator: Simulator) -> None:
+        self.model = model
+        self.recordings = recordings
+        self.predictor = Predictor(model, recordings, groups, simulator)
+        self.groups = self.predictor.groups
+        self.names = self.predictor.names
+        self._free = tuple(model.free_parameters().values())
+        self._log = np.array([parameter.lower > 0 for parameter in self._free], dtype=bool)
+        self._masks = [np.isfinite(group.recorded) for group in self.groups]
+        self._weights = [np.array([channel.noise.weight for channel in group.channels]) for group in self.groups]
+
+    @property
+    def channels(self) -> tuple[Channel, ...]:
+        """Every channel, in the order of the residuals."""
+        return tuple(channel for group in self.groups for channel in group.channels)
+
+    @property
+    def independent_samples(self) -> float:
+        """How many independent readings all channels amount to."""
+        return sum(channel.independent_samples for channel in self.channels)
+
+    def start(self) -> np.ndarray:
+        """The model's own values, as search variables."""
+        return self.scaled(np.array([parameter.value for parameter in self._free]))
+
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper bounds of the search variables."""
+        return (
+            self.scaled(np.array([parameter.lower for parameter in self._free])),
+            self.scaled(np.array([parameter.upper for parameter in self._free])),
+        )
+
+    def scaled(self, values: np.ndarray) -> np.ndarray:
+        """Search variables: the logarithm of parameters whose lower bound is above 0."""
+        scaled = np.array(values, dtype=float)
+        scaled[self._log] = np.log(scaled[self._log])
+        return scaled
+
+    def parameters(self, scaled: np.ndarray) -> np.ndarray:
+        """The parameters in their own units."""
+        values = np.array(scaled, dtype=float)
+        values[self._log] = np.exp(values[self._log])
+        return values
+
+    def scaling(self, scaled: np.ndarray) -> np.ndarray:
+        """d parameter / d search variable."""
+        return np.where(self._log, self.parameters(scaled), 1.0)
+
+    def values(self, scaled: np.ndarray) -> dict[str, float]:
+        """The parameters by path."""
+        return dict(zip(self.names, self.parameters(scaled).tolist(), strict=True))
+
+    def residual(self, scaled: np.ndarray) -> np.ndarray:
+        """Weighted residuals, one entry for each sample that was recorded."""
+        return self._residual(self.predictor.predict(self.values(scaled)))
+
+    def residual_and_jacobian(self, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Weighted residuals and their derivatives to the search variables."""
+        predictions = self.predictor.predict(self.values(scaled), sensitivities=True)
+        rows = zip(predictions, self._masks, self._weights, strict=True)
+        jacobian = np.concatenate([_rows(prediction, mask, weight) for prediction, mask, weight in rows])
+        jacobian *= self.scaling(scaled)
+        return self._residual(predictions), jacobian
+
+    def channel_sums(self, residual: np.ndarray) -> np.ndarray:
+        """The sum of squares of each channel's weighted residuals; a channel at its noise gives its independent samples."""
+        sums, start = [], 0
+        for group, mask in zip(self.groups, self._masks, strict=True):
+            squares = np.zeros(group.recorded.shape)
+            squares[mask] = residual[start : (start := start + int(mask.sum()))] ** 2
+            sums.append(squares.sum(axis=0))
+        return np.concatenate(sums)
+
+    def deviance(self, residual: np.ndarray) -> float:
+        """Minus twice the log likelihood, up to a constant.
+
+        A channel with a trusted noise level counts its sum of squares; one whose level is only estimated counts
+        `n log(sum / n)`, the likelihood with the level left open.
+        """
+        return sum(_deviance(c, float(total)) for c, total in zip(self.channels, self.channel_sums(residual), strict=True))
+
+    def reweighted(self, scaled: np.ndarray) -> "Misfit":
+        """The same misfit with open noise levels set to what the model leaves of those channels."""
+        sums = iter(self.channel_sums(self.residual(scaled)))
+        groups = [evolve(g, channels=tuple(_reweighted(c, float(next(sums))) for c in g.channels)) for g in self.groups]
+        return self._with(self.model, groups)
+
+    def with_model(self, model: Model, laws: Mapping[str, type[SpringLaw]], engine: Engine | None = None) -> "Misfit":
+        """The misfit of another model to the same recordings, with the same weights."""
+        return self._with(model, list(self.groups), Simulator(model, laws, engine))
+
+    def with_values(self, values: Mapping[str, float], free: Mapping[str, bool] | None = None) -> "Misfit":
+        """The misfit of the same structure at other values; `free` frees or fixes parameters by path."""
+        model = self.model.with_values(values)
+        changes = {path: evolve(model.parameters()[path], fixed=not is_free) for path, is_free in (free or {}).items()}
+        return self._with(model.with_parameters(changes), list(self.groups))
+
+    def with_recordings(self, runs: tuple[str, ...]) -> "Misfit":
+        """The same misfit over some of the runs."""
+        chosen = {run: self.recordings[run] for run in runs}
+        copy = object.__new__(Misfit)
+        copy._setup(self.model, chosen, [g for g in self.groups if g.run in chosen], self.predictor.simulator)
+        return copy
+
+    def _with(self, model: Model, groups: list[Group], simulator: Simulator | None = None) -> "Misfit":
+        copy = object.__new__(Misfit)
+        copy._setup(model, self.recordings, groups, simulator or self.predictor.simulator)
+        return copy
+
+    def _residual(self, predictions: list[Prediction]) -> np.ndarray:
+        parts = [
+            _weighted(group.recorded - prediction.samples, weight)[mask]
+            for group, prediction, mask, weight in zip(self.groups, predictions, self._masks, self._weights, strict=True)
+        ]
+        return np.concatenate(parts)
+
+
+def _weighted(difference: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """A sample that the simulation does not reach says nothing."""
+    return np.nan_to_num(difference * weight, nan=0.0, posinf=np.inf, neginf=-np.inf)
+
+
+def _rows(prediction: Prediction, mask: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    sensitivity = prediction.sensitivity
+    assert sensitivity is not None  # asked for by the only caller
+    return -np.nan_to_num(sensitivity * weight[None, :, None])[mask]
+
+
+def _deviance(channel: Channel, total: float) -> float:
+    if channel.noise.trusted:
+        return total
+    count, noise = channel.independent_samples, channel.noise
+    return count * float(np.log(max(total / count, (noise.least / noise.std) ** 2))) if count else 0.0
+
+
+def _reweighted(channel: Channel, total: float) -> Channel:
+    noise = channel.noise
+    if noise.trusted or not channel.samples:
+        return channel
+    level = noise.std * float(np.sqrt(total / channel.independent_samples))
+    return evolve(channel, noise=evolve(noise, std=max(noise.least, level)))

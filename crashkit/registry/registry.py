@@ -1,0 +1,132 @@
+"""What is installed, by kind and name, and what failed to load."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any, TypeVar
+
+from attrs import frozen
+
+from crashkit.errors import CrashkitError
+from crashkit.protocols import Hypothesis, Identifier, Importer, Observer, Smoother, SpringLaw
+
+Base = TypeVar("Base")
+
+
+@frozen
+class Plugin:
+    """A class that is installed: its kind and name, and the distribution that brought it."""
+
+    kind: str
+    name: str
+    distribution: str
+    version: str
+    implementation: type
+
+    def __str__(self) -> str:
+        return f"{class_name(self.implementation)} of {self.distribution} {self.version}"
+
+
+@frozen
+class Failure:
+    """Something of a distribution that was refused, and why."""
+
+    distribution: str
+    version: str
+    reason: str
+
+    def __str__(self) -> str:
+        return f"{self.distribution} {self.version}: {self.reason}"
+
+
+@frozen
+class Registry:
+    """Every plugin that loaded and every failure, in the order of their distributions' names."""
+
+    plugins: tuple[Plugin, ...]
+    failures: tuple[Failure, ...]
+
+    @property
+    def spring_laws(self) -> dict[str, type[SpringLaw]]:
+        """Laws and factors by name."""
+        return self._named(SpringLaw)
+
+    @property
+    def observers(self) -> dict[str, type[Observer]]:
+        """Instruments by name."""
+        return self._named(Observer)
+
+    @property
+    def smoothers(self) -> dict[str, type[Smoother]]:
+        """Smoothers by name."""
+        return self._named(Smoother)
+
+    @property
+    def identifiers(self) -> dict[str, type[Identifier[Any]]]:
+        """Methods of identification by name."""
+        return self._named(Identifier)
+
+    @property
+    def hypotheses(self) -> dict[str, type[Hypothesis]]:
+        """Hypotheses by the name of their physics."""
+        return self._named(Hypothesis)
+
+    @property
+    def importers(self) -> dict[str, type[Importer]]:
+        """Importers by the name of their format."""
+        return self._named(Importer)
+
+    def spring_law(self, name: str) -> type[SpringLaw]:
+        """The law or factor of that name; raises CrashkitError where it is not installed."""
+        return self._find("spring law", self.spring_laws, name)
+
+    def observer(self, name: str) -> type[Observer]:
+        """The instrument of that name; raises CrashkitError where it is not installed."""
+        return self._find("observer", self.observers, name)
+
+    def smoother(self, name: str) -> type[Smoother]:
+        """The smoother of that name; raises CrashkitError where it is not installed."""
+        return self._find("smoother", self.smoothers, name)
+
+    def identifier(self, name: str) -> type[Identifier[Any]]:
+        """The method of that name; raises CrashkitError where it is not installed."""
+        return self._find("identifier", self.identifiers, name)
+
+    def hypothesis(self, physics: str) -> type[Hypothesis]:
+        """The hypothesis of that physics; raises CrashkitError where it is not installed."""
+        return self._find("hypothesis", self.hypotheses, physics)
+
+    def importer(self, name: str) -> type[Importer]:
+        """The importer of that format; raises CrashkitError where it is not installed."""
+        return self._find("importer", self.importers, name)
+
+    @property
+    def warning(self) -> str:
+        """One line that says how many failures there are and where to read them; empty where there are none."""
+        distributions = {failure.distribution for failure in self.failures}
+        return f"{plural(len(distributions), 'plugin')} failed to load: run `crashkit plugins`" if distributions else ""
+
+    def _named(self, base: type[Base]) -> dict[str, type[Base]]:
+        return {plugin.name: plugin.implementation for plugin in self.plugins if issubclass(plugin.implementation, base)}
+
+    def _find(self, kind: str, installed: Mapping[str, type[Base]], name: str) -> type[Base]:
+        if name not in installed:
+            message = f'no {kind} "{name}" is installed, expected {one_of(installed)}'
+            raise CrashkitError(f"{message} ({self.warning})" if self.failures else message)
+        return installed[name]
+
+
+def class_name(implementation: object) -> str:
+    """A class as errors name it, with its module."""
+    if not isinstance(implementation, type):
+        return repr(implementation)
+    return f"{implementation.__module__}.{implementation.__qualname__}"
+
+
+def one_of(names: Iterable[str]) -> str:
+    """Names as an error lists what it expected."""
+    known = sorted(names)
+    return f"one of {', '.join(known)}" if known else "none, as nothing of the kind is installed"
+
+
+def plural(count: int, noun: str) -> str:
+    """A count with its noun."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

@@ -1,0 +1,1 @@
+"""Readers of laboratories' own formats."""

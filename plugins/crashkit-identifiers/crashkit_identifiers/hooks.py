@@ -1,0 +1,11 @@
+"""Registers the identifiers."""
+
+from crashkit.protocols import Identifier
+from crashkit.registry import hookimpl
+from crashkit_identifiers.sensitivity import Sensitivity
+
+
+@hookimpl
+def crashkit_identifiers() -> list[type[Identifier]]:
+    """The identifiers of this distribution."""
+    return [Sensitivity]

@@ -1,0 +1,131 @@
+"""The sensitivity method: Newton-type steps from the derivatives of the simulated motion."""
+
+from typing import ClassVar
+
+import numpy as np
+from attrs import evolve, field, frozen
+
+from crashkit.errors import SimulationError
+from crashkit.protocols import Identification, Identifier, Problem, Status
+from crashkit_identifiers.result import summarise
+
+FIRST_DAMPING = 1e-3
+LARGEST_DAMPING = 1e12
+ATTEMPTS = 12
+
+
+@frozen
+class SensitivityState:
+    """Where a search stands: the point, its cost, gradient and Gauss-Newton curvature, and the path so far."""
+
+    point: np.ndarray
+    cost: float
+    gradient: np.ndarray
+    curvature: np.ndarray
+    damping: float
+    status: Status
+    path: tuple[tuple[float, np.ndarray], ...] = field(default=())
+
+
+@frozen
+class Sensitivity(Identifier[SensitivityState]):
+    """Levenberg-Marquardt steps within bounds, from forward sensitivities (Mizzi & Jezequel 1992, eq 47-55).
+
+    minimise ½ |r(u)|²:  (JᵀJ + λ diag JᵀJ) Δu = -Jᵀr over the parameters that no bound holds.
+
+    Arguments:
+        tolerance: relative drop in cost that a full step still has to promise.
+        least_drop: drop in cost that it still has to promise; a statistical fit needs no more than 1e-3.
+        step_limit: steps after which the search ends unconverged.
+    """
+
+    name: ClassVar[str] = "sensitivity"
+    tolerance: float = 1e-10
+    least_drop: float = 0.0
+    step_limit: int = 100
+
+    def start(self, problem: Problem) -> SensitivityState:
+        """The state at the problem's own start."""
+        lower, upper = problem.bounds()
+        return _state_at(problem, np.clip(problem.start(), lower, upper), FIRST_DAMPING, ())
+
+    def step(self, problem: Problem, state: SensitivityState) -> SensitivityState:
+        """One accepted step, or a verdict that there is none."""
+        if state.status is not Status.RUNNING:
+            return state
+        if len(state.path) > self.step_limit:
+            return evolve(state, status=Status.STEP_LIMIT)
+        for _ in range(ATTEMPTS):
+            move = _move(problem, state)
+            promised = -(state.gradient @ move + 0.5 * move @ state.curvature @ move)
+            if promised <= max(self.tolerance * state.cost, self.least_drop, 1e-300):
+                return evolve(state, status=_verdict(state))
+            accepted = _attempt(problem, state, state.point + move, promised)
+            if accepted is not None:
+                return accepted
+            state = evolve(state, damping=min(state.damping * 8.0, LARGEST_DAMPING))
+        return evolve(state, status=Status.STALLED)
+
+    def finish(self, problem: Problem, state: SensitivityState) -> Identification:
+        """Parameters with covariance, what the data do not see, and the path."""
+        return summarise(problem, state.point, state.cost, state.curvature, state.status, state.path)
+
+    def run(self, problem: Problem) -> Identification:
+        """From start to finish."""
+        state = self.start(problem)
+        while state.status is Status.RUNNING:
+            state = self.step(problem, state)
+        return self.finish(problem, state)
+
+
+def _state_at(problem: Problem, point: np.ndarray, damping: float, path: tuple[tuple[float, np.ndarray], ...]) -> SensitivityState:
+    count = len(point)
+    try:
+        residual, jacobian = problem.residual_and_jacobian(point)
+    except SimulationError:
+        return SensitivityState(point, np.inf, np.zeros(count), np.eye(count), damping, Status.FAILED, path)
+    cost = 0.5 * float(residual @ residual)
+    path = (*path, (cost, problem.parameters(point)))
+    return SensitivityState(point, cost, jacobian.T @ residual, jacobian.T @ jacobian, damping, Status.RUNNING, path)
+
+
+def _move(problem: Problem, state: SensitivityState) -> np.ndarray:
+    """The damped Gauss-Newton step; parameters that a bound stops are held there and the others solved again."""
+    lower, upper = problem.bounds()
+    scale = np.diag(state.curvature).copy()
+    scale[scale <= 0] = max(float(scale.max(initial=0.0)), 1.0) * 1e-12
+    move = np.zeros(len(state.point))
+    free = np.ones(len(move), dtype=bool)
+    for _ in range(len(move) + 1):
+        move[free] = _solve(state, scale, free, move)
+        target = state.point + move
+        outside = free & ((target < lower) | (target > upper))
+        if not outside.any():
+            break
+        move[outside] = np.clip(target, lower, upper)[outside] - state.point[outside]
+        free &= ~outside
+    return move
+
+
+def _solve(state: SensitivityState, scale: np.ndarray, free: np.ndarray, move: np.ndarray) -> np.ndarray:
+    root = np.sqrt(scale[free])
+    held = state.curvature[np.ix_(free, ~free)] @ move[~free]
+    matrix = state.curvature[np.ix_(free, free)] / np.outer(root, root) + state.damping * np.eye(int(free.sum()))
+    return -np.linalg.solve(matrix, (state.gradient[free] + held) / root) / root
+
+
+def _attempt(problem: Problem, state: SensitivityState, point: np.ndarray, promised: float) -> SensitivityState | None:
+    try:
+        residual = problem.residual(point)
+    except SimulationError:
+        return None
+    gained = state.cost - 0.5 * float(residual @ residual)
+    if not gained > 1e-4 * promised:
+        return None
+    damping = state.damping / 5.0 if gained > 0.5 * promised else state.damping * 1.5
+    return _state_at(problem, point, max(damping, 1e-15), state.path)
+
+
+def _verdict(state: SensitivityState) -> Status:
+    """A promise of nothing under heavy damping only says that the steps have become short."""
+    return Status.CONVERGED if state.damping < 1e4 else Status.STALLED
