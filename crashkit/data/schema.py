@@ -4,6 +4,25 @@ from attrs import field, frozen
 
 
 @frozen
+class Dimension:
+    """A dimension that means the same in every group.
+
+    Arguments:
+        name: of the dimension and of its coordinate variable.
+        meaning: one phrase for people.
+        labelled: whether its coordinate variable must be there.
+        values: the labels it may have (empty: any text).
+        least: the smallest length it may have.
+    """
+
+    name: str
+    meaning: str
+    labelled: bool = True
+    values: tuple[str, ...] = ()
+    least: int = 1
+
+
+@frozen
 class Variable:
     """A variable of a group.
 
@@ -11,10 +30,12 @@ class Variable:
         name: of the variable.
         dims: in order; "a|b" where alternatives are allowed.
         units: CF spelling; None for text or flags without units.
-        kind: "number", "text" or "flag" (0/1).
         meaning: one phrase for people.
+        kind: "number", "text" or "flag" (0/1).
         required: whether the group must hold it.
         allow_nan: whether single values may be missing; a channel that is NaN throughout is always refused.
+        allow_infinite: whether values may be infinite (a bound that is not there).
+        positive: whether every value must be above 0 (a standard deviation).
     """
 
     name: str
@@ -24,6 +45,8 @@ class Variable:
     kind: str = "number"
     required: bool = True
     allow_nan: bool = False
+    allow_infinite: bool = False
+    positive: bool = False
 
 
 @frozen

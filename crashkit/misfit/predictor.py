@@ -32,7 +32,7 @@ class Predictor:
         self.groups = tuple(groups)
         self.names = tuple(model.free_parameters())
         self._structural = tuple(name for name in self.names if not name.startswith("instrument."))
-        self._initial = {run: initial_state(recording) for run, recording in recordings.items()}
+        self._initial = {run: initial_state(recording, model) for run, recording in recordings.items()}
         margin = _clock_margin(model)
         self._times = {run: _instants([g.times for g in self.groups if g.run == run], margin) for run in recordings}
 
@@ -85,10 +85,15 @@ def instrument_errors(model: Model, values: Mapping[str, float]) -> dict[str, di
     return errors
 
 
-def initial_state(recording: xr.DataTree) -> xr.Dataset | None:
-    """The recording's state at t = 0, if it holds one."""
+def initial_state(recording: xr.DataTree, model: Model) -> xr.Dataset | None:
+    """The recording's state at t = 0, if it holds one; a load that it does not know starts with its carrier."""
     node = recording.children.get("initial")
-    return node.to_dataset(inherit=False) if node is not None else None
+    if node is None:
+        return None
+    state = node.to_dataset(inherit=False)
+    carried = [b for b in model.bodies if b.carrier in state["body"].values and b.name not in state["body"].values]
+    loads = [state.sel(body=[b.carrier]).assign_coords(body=[b.name]) for b in carried]
+    return xr.concat([state, *loads], dim="body") if loads else state
 
 
 def _clock_margin(model: Model) -> float:

@@ -15,6 +15,7 @@ class Body:
         velocity: m s-1 at t = 0, likewise; a recording's `initial` group overrides both.
         mass: kg; None for a fixed body.
         fixed: whether it is held in place.
+        carrier: name of the body that it moves with until t = 0, for a load whose own state no recording holds; "" for none.
     """
 
     name: str
@@ -22,3 +23,4 @@ class Body:
     velocity: tuple[float, ...]
     mass: Parameter | None = None
     fixed: bool = field(default=False)
+    carrier: str = field(default="")

@@ -7,8 +7,9 @@ from pathlib import Path, PurePosixPath
 
 import numpy as np
 from attrs import frozen
-from crashkit.errors import CrashkitError
 from numpy.typing import NDArray
+
+from crashkit.errors import CrashkitError
 
 CURVE_FILE = re.compile(r"v\d+\.(\d{3,})", re.IGNORECASE)
 ARCHIVES = (".tar", ".tgz", ".tar.gz", ".tar.bz2", ".tar.xz")

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from attrs import frozen
+
 from crashkit.errors import ContractError, CrashkitError, Fault
 
 CLOSING_SPEED, TITLE = 14, 1  # fields of the section TEST

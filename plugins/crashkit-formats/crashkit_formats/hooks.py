@@ -2,7 +2,6 @@
 
 from crashkit.protocols import Importer
 from crashkit.registry import hookimpl
-
 from crashkit_formats.nhtsa import NhtsaImporter
 
 

@@ -9,10 +9,10 @@ import numpy as np
 import xarray as xr
 from attrs import frozen
 from crashkit.data.channel_filter import filter_channel
-from crashkit.errors import CrashkitError
-from crashkit.protocols import Importer
 from numpy.typing import NDArray
 
+from crashkit.errors import CrashkitError
+from crashkit.protocols import Importer
 from crashkit_formats.curves import CurveFile, curve_files
 from crashkit_formats.ev5 import Ev5, read_ev5
 from crashkit_formats.options import Options, parse_options

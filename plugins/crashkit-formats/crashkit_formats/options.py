@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 
 from attrs import field, frozen
+
 from crashkit.errors import CrashkitError
 
 FILTER_CLASSES = (0, 60, 180, 600, 1000)

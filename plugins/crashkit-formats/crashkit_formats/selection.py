@@ -4,8 +4,8 @@ import re
 from collections.abc import Collection
 
 from attrs import frozen
-from crashkit.errors import CrashkitError
 
+from crashkit.errors import CrashkitError
 from crashkit_formats.ev5 import Curve, Ev5
 
 _CHANNEL = re.compile(r"(?P<sign>-?)(?P<curves>[^=]+)=(?P<body>[^:=]+)(?::(?P<sensor>[^:=]+))?")

@@ -1,0 +1,5 @@
+"""`python -m crashkit`."""
+
+from crashkit.cli import main
+
+raise SystemExit(main())

@@ -1,0 +1,75 @@
+"""The command line: thin, one module for each command; the work is in `crashkit.api`.
+
+Only a command that runs imports what it needs, so that help appears at once.
+"""
+
+import sys
+from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
+from importlib.metadata import version
+from typing import NoReturn
+
+from crashkit.cli import check, demo, diagnose, identify, import_, plugins, simulate
+from crashkit.errors import CrashkitError
+
+USER_ERROR = 2
+INTERRUPTED = 130
+
+COMMANDS = (diagnose, simulate, identify, import_, check, demo, plugins)
+
+
+class Parser(ArgumentParser):
+    """A parser whose errors are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong, and where help is, and exit."""
+        _complain(f"{message} (see `{self.prog} --help`)")
+        raise SystemExit(USER_ERROR)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Arguments:
+        argv: without the program's name; None: those of the process.
+
+    Returns:
+        the exit status: 0; 2 for an error that the user can mend, told on stderr; 130 where the user interrupted.
+    """
+    arguments = parser().parse_args(argv)
+    try:
+        _warn_of_failed_plugins(arguments)
+        arguments.run(arguments)
+    except CrashkitError as error:
+        _complain(str(error))
+        return USER_ERROR
+    except OSError as error:
+        _complain(f"{error.filename}: {error.strerror}" if error.filename else str(error))
+        return USER_ERROR
+    except KeyboardInterrupt:
+        _complain("interrupted")
+        return INTERRUPTED
+    return 0
+
+
+def parser() -> Parser:
+    """The parser of every command."""
+    root = Parser("crashkit", description="Finds the physics that a crash model left out.")
+    root.add_argument("--version", action="version", version=f"crashkit {version('crashkit')}")
+    commands = root.add_subparsers(title="commands", metavar="COMMAND", dest="command", required=True)
+    for command in COMMANDS:
+        command.register(commands)
+    return root
+
+
+def _warn_of_failed_plugins(arguments: Namespace) -> None:
+    """A plugin that failed may be the one that the work needed: say so, except where the command lists failures itself."""
+    from crashkit.registry import load
+
+    if arguments.run is not plugins.run and load().warning:
+        _complain(load().warning)
+
+
+def _complain(message: str) -> None:
+    for line in message.splitlines():
+        print(f"crashkit: {line}", file=sys.stderr)

@@ -1,0 +1,44 @@
+"""A laboratory's own files as a recording."""
+
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from pathlib import Path
+from typing import Any
+
+
+def register(commands: Any) -> None:
+    """Add the command."""
+    parser: ArgumentParser = commands.add_parser("import", help=__doc__, description=__doc__)
+    parser.add_argument("format", metavar="FORMAT", help="an installed importer, for example nhtsa")
+    parser.add_argument("source", metavar="SOURCE", type=Path, help="folder or file")
+    action = parser.add_mutually_exclusive_group(required=True)
+    action.add_argument("--list", action="store_true", help="show the channels that the source holds")
+    action.add_argument("--output", metavar="FILE.nc", type=Path, help="file for the recording (netCDF)")
+    parser.add_argument(
+        "--channel",
+        metavar="CHANNEL[+CHANNEL...]=BODY[:SENSOR]",
+        action="append",
+        default=[],
+        help="a channel and the model's body that it sees; channels joined by + are summed",
+    )
+    parser.add_argument(
+        "--option", metavar="KEY=VALUE", type=_pair, action="append", default=[], help="an option of the format"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(arguments: Namespace) -> None:
+    """Write the recording, or list the channels."""
+    from crashkit import api
+
+    if arguments.list:
+        print(api.list_channels(arguments.format, arguments.source))
+    else:
+        options = dict(arguments.option)
+        print(api.import_recording(arguments.format, arguments.source, arguments.output, arguments.channel, options))
+
+
+def _pair(text: str) -> tuple[str, str]:
+    key, equals, value = text.partition("=")
+    if not (key and equals):
+        raise ArgumentTypeError(f"expected KEY=VALUE, found {text!r}")
+    return key, value

@@ -1,0 +1,72 @@
+"""Where markers fixed on bodies are at the time stamps of an instrument, and what its own errors make of that."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from crashkit.errors import CrashkitError
+from crashkit.protocols import ParameterSpec
+from crashkit.protocols.observer import SensorErrors
+
+
+def error_values(specs: Sequence[ParameterSpec], markers: Sequence[str], errors: SensorErrors | None) -> dict[str, np.ndarray]:
+    """Every error parameter as one value for each marker.
+
+    Markers that `errors` names and the film does not have are passed over: a run may lack a marker that others have.
+
+    Raises CrashkitError for a parameter that is not declared.
+    """
+    values = {spec.name: np.full(len(markers), spec.null) for spec in specs}
+    for marker, given in (errors or {}).items():
+        rows = [row for row, name in enumerate(markers) if marker in ("", name)]
+        for name, value in given.items():
+            if name not in values:
+                raise CrashkitError(f"film has no error parameter {name!r}: expected one of {', '.join(values)}")
+            values[name][rows] = value
+    return values
+
+
+def marker_variable(motion: xr.Dataset, name: str, instrument: xr.Dataset) -> np.ndarray:
+    """A variable of the motion, (time, body, axis, ...), for each marker's body and the film's axes: (time, marker, axis, ...)."""
+    bodies = _rows(motion, "body", instrument.variables["marker_body"].values)
+    axes = _rows(motion, "axis", instrument.variables["axis"].values)
+    return motion.variables[name].values[:, bodies][:, :, axes]
+
+
+def sample_path(nodes: np.ndarray, position: np.ndarray, velocity: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Position and velocity at the times `at` by cubic Hermite interpolation, exact at the nodes.
+
+    Motion before the first node is uniform if that node is not after the first contact, at t = 0; NaN after the last node.
+
+    Arguments:
+        nodes: s, (node,).
+        position, velocity: (node, ...), or their derivatives to parameters.
+        at: s, (time,).
+
+    Returns:
+        Position and its rate, (time, ...).
+    """
+    index = np.clip(np.searchsorted(nodes, at, side="right") - 1, 0, len(nodes) - 2)
+    column = (-1,) + (1,) * (position.ndim - 1)
+    h = (nodes[index + 1] - nodes[index]).reshape(column)
+    s = (at - nodes[index]).reshape(column) / h
+    p, q, v, w = position[index], position[index + 1], velocity[index], velocity[index + 1]
+    value = p + s * (h * v + s * (3 * (q - p) - h * (2 * v + w) + s * (2 * (p - q) + h * (v + w))))
+    rate = v + s * (6 * (q - p) / h - 2 * (2 * v + w) + 3 * s * (2 * (p - q) / h + v + w))
+    before = at < nodes[0]
+    if before.any():
+        value[before] = position[0] + velocity[0] * (at[before] - nodes[0]).reshape(column)
+        rate[before] = velocity[0]
+    unknown = (at > nodes[-1]) | (before & (nodes[0] > 0.0))
+    value[unknown] = np.nan
+    rate[unknown] = np.nan
+    return value, rate
+
+
+def _rows(motion: xr.Dataset, dim: str, names: np.ndarray) -> list[int]:
+    known = motion.variables[dim].values.tolist()
+    missing = set(names.tolist()) - set(known)
+    if missing:
+        raise CrashkitError(f"film: expected a {dim} of the motion ({', '.join(known)}), found {', '.join(sorted(missing))}")
+    return [known.index(name) for name in names.tolist()]

@@ -1,0 +1,1 @@
+"""The physics that a crash model may have left out."""

@@ -1,0 +1,33 @@
+"""A joint stiffens sharply at large deformation."""
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import xarray as xr
+
+from crashkit.model import Joint, Model, Parameter
+from crashkit.protocols import Hypothesis, Proposal
+from crashkit_hypotheses.build import grid, largest_deformation, parallel
+
+SHARES = (0.5, 0.7, 0.85, 0.95)
+
+class Bottoming(Hypothesis):
+    """F = F_law(d) + k max(0, d - e), or + c max(0, d - e)^2."""
+
+    physics: ClassVar[str] = "bottoming"
+    sentence: ClassVar[str] = "{place} bottoms out: it stiffens sharply at large deformation"
+
+    def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
+        """A line and a parabola at every joint that is compressed, from several engagements."""
+        reached = {joint.name: largest_deformation(motion, joint.name) for joint in model.joints}
+        return [form for joint in model.joints if reached[joint.name] > 0 for form in self._forms(model, joint, reached[joint.name])]
+
+    def _forms(self, model: Model, joint: Joint, reached: float) -> list[Proposal]:
+        engagement = Parameter(0.8 * reached, 0.2 * reached, 1.2 * reached)
+        line = {"stiffness": Parameter(0.0, 0.0, 1e10), "engagement": engagement}
+        parabola = {"coefficient": Parameter(0.0, 0.0, 1e12), "engagement": engagement}
+        starts = grid(engagement=[share * reached for share in SHARES])
+        return [
+            parallel(model, joint, self.physics, "line", "linear_stop", line, "stiffness", starts),
+            parallel(model, joint, self.physics, "parabola", "quadratic_stop", parabola, "coefficient", starts),
+        ]

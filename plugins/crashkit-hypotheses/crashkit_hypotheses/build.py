@@ -1,0 +1,113 @@
+"""How the hypotheses of this distribution add a joint or a factor, and read the motion for sizes to start from."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import product
+
+import numpy as np
+import xarray as xr
+
+from crashkit.model import Joint, Model, Parameter
+from crashkit.model.edit import fresh_name, with_factor, with_joint
+from crashkit.protocols import Proposal
+
+
+def parallel(
+    model: Model,
+    joint: Joint,
+    physics: str,
+    form: str,
+    law: str,
+    parameters: Mapping[str, Parameter | tuple[Parameter, ...]],
+    amplitude: str,
+    starts: Iterable[Mapping[str, float]] = ({},),
+) -> Proposal:
+    """A second joint beside `joint`, whose force vanishes where `amplitude` is 0."""
+    name = fresh_name(f"{joint.name}_{physics}", (j.name for j in model.joints))
+    extra = Joint(name, joint.bodies, law, dict(parameters), points=joint.points, free_length=_own_length(joint))
+    return proposal(
+        physics, form, {"joint": joint.name}, with_joint(model, extra), f"joint.{name}.", parameters, amplitude, starts
+    )
+
+
+def multiplied(
+    model: Model,
+    joint: Joint,
+    physics: str,
+    form: str,
+    factor: str,
+    parameters: Mapping[str, Parameter | tuple[Parameter, ...]],
+    amplitude: str,
+    starts: Iterable[Mapping[str, float]] = ({},),
+) -> Proposal:
+    """A factor on `joint`, which is 1 where `amplitude` is 0."""
+    augmented = with_factor(model, joint.name, factor, parameters)
+    prefix = f"joint.{joint.name}."
+    return proposal(physics, form, {"joint": joint.name}, augmented, prefix, parameters, amplitude, starts)
+
+
+def proposal(
+    physics: str,
+    form: str,
+    location: Mapping[str, object],
+    model: Model,
+    prefix: str,
+    parameters: Mapping[str, Parameter | tuple[Parameter, ...]],
+    amplitude: str,
+    starts: Iterable[Mapping[str, float]],
+    null: float | None = 0.0,
+) -> Proposal:
+    """A proposal whose new parameters stand below one path, the amplitude (a number or a table) first."""
+    amplitudes = _entries(prefix, amplitude, parameters)
+    others = [path for name in parameters if name != amplitude for path in _entries(prefix, name, parameters)]
+    return Proposal(
+        physics,
+        form,
+        location,
+        model,
+        (*amplitudes, *others),
+        {} if null is None else dict.fromkeys(amplitudes, null),
+        tuple({prefix + name: value for name, value in start.items()} for start in starts),
+    )
+
+
+def _entries(prefix: str, name: str, parameters: Mapping[str, Parameter | tuple[Parameter, ...]]) -> list[str]:
+    """The paths of the free entries of one parameter."""
+    value = parameters[name]
+    if isinstance(value, Parameter):
+        return [] if value.fixed else [prefix + name]
+    return [f"{prefix}{name}[{index}]" for index, entry in enumerate(value) if not entry.fixed]
+
+
+def grid(**values: Sequence[float]) -> list[dict[str, float]]:
+    """Every combination of start values."""
+    return [dict(zip(values, combination, strict=True)) for combination in product(*values.values())]
+
+
+def largest_deformation(motions: Sequence[xr.Dataset], joint: str) -> float:
+    """m, over all runs."""
+    return max(float(np.nanmax(motion["deformation"].sel(joint=joint).values)) for motion in motions)
+
+
+def largest_force(motions: Sequence[xr.Dataset], joint: str) -> float:
+    """N, over all runs."""
+    return max(float(np.nanmax(np.abs(motion["force"].sel(joint=joint).values))) for motion in motions)
+
+
+def largest_rate(motions: Sequence[xr.Dataset], joint: str) -> float:
+    """m s-1, over all runs."""
+    return max(float(np.nanmax(np.abs(motion["deformation_rate"].sel(joint=joint).values))) for motion in motions)
+
+
+def largest_approach(motions: Sequence[xr.Dataset], first: str, second: str) -> float:
+    """m, by how much two bodies come closer than they were at t = 0, over all runs."""
+    return max(_approach(motion["position"].sel(body=first) - motion["position"].sel(body=second)) for motion in motions)
+
+
+def _approach(separation: xr.DataArray) -> float:
+    distance = np.abs(separation.isel(axis=0).values)
+    return float(distance[0] - distance.min())
+
+
+def _own_length(joint: Joint) -> Parameter | None:
+    """The same rest length, not identified twice."""
+    return None if joint.free_length is None else Parameter(joint.free_length.value, fixed=True)

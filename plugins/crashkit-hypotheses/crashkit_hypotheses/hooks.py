@@ -1,0 +1,38 @@
+"""Registers the hypotheses."""
+
+from crashkit.protocols import Hypothesis
+from crashkit.registry import hookimpl
+from crashkit_hypotheses.body_forces import AddedMass, GroundFriction
+from crashkit_hypotheses.bottoming import Bottoming
+from crashkit_hypotheses.carried_load import CarriedLoad
+from crashkit_hypotheses.clearance import Clearance
+from crashkit_hypotheses.instrument_faults import Bias, ClockOffset, GainError
+from crashkit_hypotheses.missing_contact import MissingContact
+from crashkit_hypotheses.parallel_forces import JointFriction, PeakLoad, ProgressiveFolding, Tension, ViscousDamping
+from crashkit_hypotheses.plastic_unloading import PlasticUnloading
+from crashkit_hypotheses.rate_dependence import RateDependence
+from crashkit_hypotheses.unknown import Unknown
+
+
+@hookimpl
+def crashkit_hypotheses() -> list[type[Hypothesis]]:
+    """The hypotheses of this distribution."""
+    return [
+        AddedMass,
+        Bias,
+        Bottoming,
+        CarriedLoad,
+        Clearance,
+        ClockOffset,
+        GainError,
+        GroundFriction,
+        JointFriction,
+        MissingContact,
+        PeakLoad,
+        PlasticUnloading,
+        ProgressiveFolding,
+        RateDependence,
+        Tension,
+        Unknown,
+        ViscousDamping,
+    ]

@@ -1,0 +1,96 @@
+"""Forces that act beside a joint's law: damping, friction, a peak, folds, tension."""
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import xarray as xr
+
+from crashkit.model import Joint, Model, Parameter
+from crashkit.protocols import Hypothesis, Proposal
+from crashkit_hypotheses.build import grid, largest_deformation, parallel
+
+
+class ViscousDamping(Hypothesis):
+    """F = F_law + c ddot."""
+
+    physics: ClassVar[str] = "viscous_damping"
+    sentence: ClassVar[str] = "{place} is damped: part of its force is proportional to the deformation rate"
+
+    def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
+        """Every joint that is compressed."""
+        damping = {"damping": Parameter(0.0, 0.0, 1e7)}
+        return [parallel(model, joint, self.physics, "linear", "viscous", damping, "damping") for joint in _used(model, motion)]
+
+
+class JointFriction(Hypothesis):
+    """F = F_law + f sign(ddot), smoothed at low rates."""
+
+    physics: ClassVar[str] = "joint_friction"
+    sentence: ClassVar[str] = "a dry friction force opposes the deformation of {place}"
+
+    def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
+        """Every joint that is compressed."""
+        friction = {"friction_force": Parameter(0.0, 0.0, 1e7), "slip_rate": Parameter(0.2, 0.01, 3.0)}
+        return [
+            parallel(model, joint, self.physics, "smooth", "coulomb", friction, "friction_force")
+            for joint in _used(model, motion)
+        ]
+
+
+class PeakLoad(Hypothesis):
+    """F = F_law + a peak on first loading."""
+
+    physics: ClassVar[str] = "peak_load"
+    sentence: ClassVar[str] = "{place} shows a peak of force before its plateau"
+
+    def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
+        """A peak at several deformations of every joint that is compressed."""
+        return [self._peak(model, joint, largest_deformation(motion, joint.name)) for joint in _used(model, motion)]
+
+    def _peak(self, model: Model, joint: Joint, reached: float) -> Proposal:
+        peak = {
+            "peak_force": Parameter(0.0, 0.0, 1e8),
+            "peak_deformation": Parameter(0.1 * reached, 0.01 * reached, reached),
+        }
+        starts = grid(peak_deformation=(0.08 * reached, 0.2 * reached))
+        return parallel(model, joint, self.physics, "triangle", "peak", peak, "peak_force", starts)
+
+
+class ProgressiveFolding(Hypothesis):
+    """F = F_law + a force that oscillates with deformation."""
+
+    physics: ClassVar[str] = "progressive_folding"
+    sentence: ClassVar[str] = "the force of {place} oscillates with deformation: it folds progressively"
+
+    def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
+        """Folds of several lengths at every joint that is compressed."""
+        return [self._folds(model, joint, largest_deformation(motion, joint.name)) for joint in _used(model, motion)]
+
+    def _folds(self, model: Model, joint: Joint, reached: float) -> Proposal:
+        folds = {
+            "fold_force": Parameter(0.0, -1e7, 1e7),
+            "fold_length": Parameter(0.2 * reached, 0.02 * reached, 0.6 * reached),
+        }
+        starts = grid(fold_length=[share * reached for share in (0.08, 0.12, 0.18, 0.27, 0.4)])
+        return parallel(model, joint, self.physics, "sine", "folding", folds, "fold_force", starts)
+
+
+class Tension(Hypothesis):
+    """F = F_law + k d for d < 0."""
+
+    physics: ClassVar[str] = "tension"
+    sentence: ClassVar[str] = "{place} also pulls"
+
+    def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
+        """Every joint that is stretched in some run."""
+        stretched = [j for j in model.joints if min(_least(m, j.name) for m in motion) < -1e-4]
+        pull = {"stiffness": Parameter(0.0, 0.0, 1e9)}
+        return [parallel(model, joint, self.physics, "linear", "tension_spring", pull, "stiffness") for joint in stretched]
+
+
+def _least(motion: xr.Dataset, joint: str) -> float:
+    return float(motion["deformation"].sel(joint=joint).min())
+
+
+def _used(model: Model, motion: Sequence[xr.Dataset]) -> list[Joint]:
+    return [joint for joint in model.joints if largest_deformation(motion, joint.name) > 0]

@@ -1,0 +1,35 @@
+"""A joint's force level rises with its deformation rate."""
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import xarray as xr
+
+from crashkit.model import Joint, Model, Parameter
+from crashkit.protocols import Hypothesis, Proposal
+from crashkit_hypotheses.build import grid, multiplied
+
+LINEAR = {"rate_coefficient": Parameter(0.0, 0.0, 1.0)}
+POWER = {"rate_amplitude": Parameter(0.0, 0.0, 10.0), "rate_exponent": Parameter(0.3, 0.05, 2.0)}
+LOGARITHM = {"rate_amplitude": Parameter(0.0, 0.0, 10.0), "reference_rate": Parameter(0.5, 1e-3, 20.0)}
+
+class RateDependence(Hypothesis):
+    """F = F_static (1 + a ddot), F_static (1 + a ddot^n) (Cowper-Symonds) or F_static (1 + a ln(1 + ddot / r)) (Johnson-Cook).
+
+    Mizzi & Jezequel 1992, eq 1, for the linear form.
+    """
+
+    physics: ClassVar[str] = "rate_dependence"
+    sentence: ClassVar[str] = "the force of {place} rises with its deformation rate"
+
+    def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
+        """Three forms at every joint that has no factor of its own yet."""
+        return [form for joint in model.joints if not joint.factors for form in self._forms(model, joint)]
+
+    def _forms(self, model: Model, joint: Joint) -> list[Proposal]:
+        powers = grid(rate_exponent=(0.2, 0.6))
+        return [
+            multiplied(model, joint, self.physics, "linear", "rate_linear", LINEAR, "rate_coefficient"),
+            multiplied(model, joint, self.physics, "power", "rate_power", POWER, "rate_amplitude", powers),
+            multiplied(model, joint, self.physics, "logarithm", "rate_logarithm", LOGARITHM, "rate_amplitude"),
+        ]

@@ -1,0 +1,33 @@
+"""A force that no known physics explains, estimated from the recordings as a smooth law."""
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import xarray as xr
+
+from crashkit.model import Joint, Model, Parameter
+from crashkit.protocols import Hypothesis, Proposal
+from crashkit_hypotheses.build import largest_deformation, largest_rate, parallel
+
+KNOTS = 10
+
+
+class Unknown(Hypothesis):
+    """F = F_law + f(d), or + f(ddot), f a table over the range that the recordings cover."""
+
+    physics: ClassVar[str] = "unknown"
+    sentence: ClassVar[str] = "{place} carries a force that none of the known physics explains"
+
+    def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
+        """A force of deformation and one of rate at every joint that is compressed."""
+        used = [joint for joint in model.joints if largest_deformation(motion, joint.name) > 0]
+        return [form for joint in used for form in self._forms(model, joint, motion)]
+
+    def _forms(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
+        reach = {"deformation": largest_deformation(motion, joint.name), "rate": largest_rate(motion, joint.name)}
+        laws = {"deformation": "smooth_table", "rate": "rate_table"}
+        return [self._table(model, joint, form, laws[form], 1.05 * reach[form]) for form in laws]
+
+    def _table(self, model: Model, joint: Joint, form: str, law: str, reach: float) -> Proposal:
+        table = {"force": tuple(Parameter(0.0, -1e8, 1e8) for _ in range(KNOTS)), "range": Parameter(reach, fixed=True)}
+        return parallel(model, joint, self.physics, form, law, table, "force")

@@ -1,0 +1,56 @@
+"""A member that buckles: elastic, plateau, densification."""
+
+from crashkit.protocols import ParameterSpec, SpringLaw
+from crashkit_spring_laws.shared import CLEARANCE, RATE_COEFFICIENT, TENSION, UNLOADING_STIFFNESS
+
+
+class CrushPlateau(SpringLaw):
+    """Elastic slope, buckling plateau, densification slope (Mizzi & Jezequel 1992, Fig 2, eq 1 and 40).
+
+    With x = d - clearance, F_load = alpha x up to delta; delta up to x = max(gamma, delta / alpha); then delta + beta (x - that).
+    F = max(0, F_load(d_max) - k (d_max - d)) max(0, 1 + a ddot); without unloading stiffness k, F_load(d) in place of the first.
+
+    With `tension` the elastic line goes on below x = 0, the unloading line goes on below F = 0, and so both pull: a member that
+    was never crushed beyond its clearance pulls along the unloading line from its elastic force at d_max.
+    """
+
+    name = "crush_plateau"
+    parameters = (
+        ParameterSpec("elastic_stiffness", "N m-1", "slope before buckling (alpha)", lower=1.0),
+        ParameterSpec("crush_force", "N", "force of the buckling plateau (delta)", lower=1.0),
+        ParameterSpec("densification_deformation", "m", "where the plateau ends (gamma)", lower=1e-4),
+        ParameterSpec("densification_stiffness", "N m-1", "slope after the plateau (beta)", lower=1.0),
+        UNLOADING_STIFFNESS,
+        RATE_COEFFICIENT,
+        CLEARANCE,
+        TENSION,
+    )
+
+    @staticmethod
+    def force(
+        d: float,
+        ddot: float,
+        d_max: float,
+        elastic_stiffness: float,
+        crush_force: float,
+        densification_deformation: float,
+        densification_stiffness: float,
+        unloading_stiffness: float,
+        rate_coefficient: float,
+        clearance: float,
+        tension: float,
+    ) -> float:
+        """The force, N, compression positive."""
+        turn = d_max if unloading_stiffness > 0.0 else d
+        x = turn - clearance
+        densification = max(densification_deformation, crush_force / elastic_stiffness)
+        if x >= densification:
+            static = crush_force + densification_stiffness * (x - densification)
+        elif elastic_stiffness * x >= crush_force:
+            static = crush_force
+        else:
+            static = elastic_stiffness * x
+        static = static - unloading_stiffness * (turn - d)
+        if tension == 0.0:
+            static = max(0.0, static)
+        return static * max(0.0, 1.0 + rate_coefficient * ddot)
