@@ -1,6 +1,6 @@
 """Validation at the edges: every fault of a Dataset against its schema, in one error."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 import xarray as xr
@@ -134,34 +134,31 @@ def _value_faults(dataset: xr.Dataset, variable: Variable, values: np.ndarray, p
     missing = np.isnan(values)
     empty = _empty_channels(missing, dims)
     for index in np.argwhere(empty):
-        channel = dict(zip(_channel_dims(dims), index.tolist(), strict=True))
-        yield Fault(place, "a value in every channel", f"only NaN at {_labels(dataset, channel)}".removesuffix(" at "))
+        yield Fault(place, "a value in every channel", f"only NaN{_at(dataset, dims, index, _WITHIN_CHANNEL)}")
     rules = [
-        ("no NaN", "NaN", missing & (not variable.allow_nan and not empty.any())),
+        ("no NaN", "NaN", missing & ~empty & (not variable.allow_nan)),
         ("finite values", "infinite", np.isinf(values) & (not variable.allow_infinite)),
         ("values above 0", "not above 0", (values <= 0) & variable.positive),
         ("0 or 1", "neither", (values != 0) & (values != 1) & ~missing & (variable.kind == "flag")),
     ]
     for expected, name, wrong in rules:
         if wrong.any():
-            first = dict(zip(dims, np.argwhere(wrong)[0].tolist(), strict=True))
-            where = f", the first at {_labels(dataset, first)}" if dims else ""
-            yield Fault(place, expected, f"{wrong.sum()} of {wrong.size} values {name}{where}")
+            first = _at(dataset, dims, np.argwhere(wrong)[0])
+            yield Fault(place, expected, f"{wrong.sum()} of {wrong.size} values {name}" + (first and f", the first{first}"))
 
 
 def _empty_channels(missing: np.ndarray, dims: tuple[str, ...]) -> np.ndarray:
+    """Which channels have no value at any time: the shape of `missing`, with length 1 along time."""
     if "time" not in dims or missing.size == 0:
-        return np.zeros((0,) * len(_channel_dims(dims)), dtype=bool)
-    return np.asarray(missing.all(axis=tuple(index for index, dim in enumerate(dims) if dim in _WITHIN_CHANNEL)))
+        return np.zeros((1,) * missing.ndim, dtype=bool)
+    within = tuple(position for position, dim in enumerate(dims) if dim in _WITHIN_CHANNEL)
+    return np.asarray(missing.all(axis=within, keepdims=True))
 
 
-def _channel_dims(dims: tuple[str, ...]) -> list[str]:
-    return [dim for dim in dims if dim not in _WITHIN_CHANNEL]
-
-
-def _labels(dataset: xr.Dataset, index: dict[str, int]) -> str:
-    """Where in a Dataset: time 0.012 (index 12), marker "engine", axis "x"."""
-    return ", ".join(_label(dataset, dim, position) for dim, position in index.items())
+def _at(dataset: xr.Dataset, dims: tuple[str, ...], index: np.ndarray, without: tuple[str, ...] = ()) -> str:
+    """Where in a Dataset: ` at time 0.012 (index 12), marker "engine", axis "x"`; empty for a scalar."""
+    labels = [_label(dataset, dim, at) for dim, at in zip(dims, index.tolist(), strict=True) if dim not in without]
+    return f" at {', '.join(labels)}" if labels else ""
 
 
 def _label(dataset: xr.Dataset, dim: str, position: int) -> str:
@@ -209,6 +206,6 @@ def shown(value: object) -> str:
     return f'"{value}"' if isinstance(value, str) else str(value)
 
 
-def names(values: object) -> str:
+def names(values: Iterable[object]) -> str:
     """Several values as messages show them, separated by commas."""
-    return ", ".join(shown(value) for value in values)  # type: ignore[attr-defined]
+    return ", ".join(shown(value) for value in values)

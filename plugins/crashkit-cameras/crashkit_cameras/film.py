@@ -40,7 +40,7 @@ class Film(Observer):
 
     def predict(self, motion: xr.Dataset, instrument: xr.Dataset, errors: SensorErrors | None = None) -> xr.Dataset:
         """The markers' positions, as `Observer.predict` says."""
-        own = error_values(self.errors, instrument.variables["marker"].values.tolist(), errors)
+        own = error_values(self, instrument.variables["marker"].values.tolist(), errors)
         nodes = motion.variables["time"].values
         at = instrument.variables["time"].values - own["clock_offset"][0]
         gain, bias = own["gain"][:, None], own["bias"][:, None]

@@ -6,23 +6,23 @@ import numpy as np
 import xarray as xr
 
 from crashkit.errors import CrashkitError
-from crashkit.protocols import ParameterSpec
-from crashkit.protocols.observer import SensorErrors
+from crashkit.protocols import Observer, SensorErrors
 
 
-def error_values(specs: Sequence[ParameterSpec], markers: Sequence[str], errors: SensorErrors | None) -> dict[str, np.ndarray]:
-    """Every error parameter as one value for each marker.
+def error_values(observer: Observer, markers: Sequence[str], errors: SensorErrors | None) -> dict[str, np.ndarray]:
+    """Every error parameter of the observer as one value for each marker.
 
     Markers that `errors` names and the film does not have are passed over: a run may lack a marker that others have.
 
-    Raises CrashkitError for a parameter that is not declared.
+    Raises CrashkitError for a parameter that is not declared, or not of a single marker.
     """
-    values = {spec.name: np.full(len(markers), spec.null) for spec in specs}
+    values = {spec.name: np.full(len(markers), spec.null) for spec in observer.errors}
     for marker, given in (errors or {}).items():
+        known = set(values) if marker == "" else set(values) - set(observer.instrument_errors)
         rows = [row for row, name in enumerate(markers) if marker in ("", name)]
         for name, value in given.items():
-            if name not in values:
-                raise CrashkitError(f"film has no error parameter {name!r}: expected one of {', '.join(values)}")
+            if name not in known:
+                raise CrashkitError(f"{observer.name} {marker!r}: expected an error of {sorted(known)}, found {name!r}")
             values[name][rows] = value
     return values
 

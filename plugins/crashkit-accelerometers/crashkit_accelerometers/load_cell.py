@@ -1,0 +1,58 @@
+"""Load cells: the force that a body, usually the obstacle, receives from the joints."""
+
+import xarray as xr
+
+from crashkit.data.schema import GroupSchema, Variable
+from crashkit.errors import CrashkitError
+from crashkit.protocols import Observer, SensorErrors
+from crashkit_accelerometers.sensor_channel import (
+    CHANNEL_FREQUENCY_CLASS,
+    DIMS,
+    channel_errors,
+    predict_channels,
+    reconstruct_bodies,
+)
+
+
+class LoadCell(Observer):
+    """One load cell takes the whole force of the joints on its body: F(t) = filter(gain F_contact(t - clock_offset) + bias)."""
+
+    name = "load_cell"
+    schema = GroupSchema(
+        "load_cell",
+        (
+            Variable("force", DIMS, "N", "the force that the body receives, in the laboratory frame", allow_nan=True),
+            Variable("sensor_body", ("sensor",), None, "the body that receives the force", kind="text"),
+            Variable("force_std", ("sensor",), "N", "standard deviation of a sample as recorded", required=False),
+        ),
+        (CHANNEL_FREQUENCY_CLASS,),
+    )
+    quantity = "force"
+    channel = "sensor"
+    errors = channel_errors("N")
+    instrument_errors = ("clock_offset",)
+
+    def predict(self, motion: xr.Dataset, instrument: xr.Dataset, errors: SensorErrors | None = None) -> xr.Dataset:
+        """The force on each cell's body, as `Observer.predict` says; needs `contact_force` (time, body, axis) of the motion.
+
+        Raises CrashkitError where several cells share a body: how they share its force is not known.
+        """
+        _refuse_shared_bodies(instrument)
+        return predict_channels(self, motion, "contact_force", instrument, errors)
+
+    def reconstruct(self, instrument: xr.Dataset) -> xr.Dataset:
+        """The force that each body receives, `contact_force` (time, body, axis).
+
+        Raises CrashkitError where several cells share a body.
+        """
+        _refuse_shared_bodies(instrument)
+        return reconstruct_bodies(self, instrument, "contact_force")
+
+
+def _refuse_shared_bodies(instrument: xr.Dataset) -> None:
+    bodies = instrument.variables["sensor_body"].values.tolist()
+    shared = sorted({body for body in bodies if bodies.count(body) > 1})
+    if shared:
+        raise CrashkitError(
+            f"load_cell: expected one sensor for each body, found several on {', '.join(shared)}: sum them into one channel"
+        )
