@@ -15,8 +15,8 @@ def run(arguments: Namespace) -> None:
     from crashkit.registry import load
 
     registry = load()
-    rows = [("kind", "name", "distribution", "version")]
-    rows += [(plugin.kind, plugin.name, plugin.distribution, plugin.version) for plugin in registry.plugins]
+    installed = sorted((plugin.kind, plugin.name, plugin.distribution, plugin.version) for plugin in registry.plugins)
+    rows = [("kind", "name", "distribution", "version"), *installed]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())

@@ -72,4 +72,6 @@ def _misplaced_observers(tree: xr.DataTree) -> Iterator[Fault]:
         if not isinstance(observer, str):
             yield Fault(node.path.strip("/"), "attribute observer as text", shown(observer))
         elif observer and node.level != 1:
-            yield Fault(node.path.strip("/") or "recording", "attribute observer on groups of the first level only", shown(observer))
+            yield Fault(
+                node.path.strip("/") or "recording", "attribute observer on groups of the first level only", shown(observer)
+            )

@@ -7,7 +7,7 @@ from crashkit.errors import SimulationError
 from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
 
-PRIOR_STD = 0.3
+LONGEST_STEP = 0.3
 """Steps of more than this relative size in the model's own parameters are not trusted to be linear."""
 
 
@@ -18,7 +18,7 @@ class Score:
     Attributes:
         proposal: the physics.
         values: of the model's and the new parameters to start a fit from.
-        drop: in the sum of squares, once the model's own parameters have adjusted.
+        drop: of the sum of squares below the reference, once the model's own parameters have adjusted.
     """
 
     proposal: Proposal
@@ -26,35 +26,39 @@ class Score:
     drop: float
 
 
-def score(proposal: Proposal, start: dict[str, float], misfit: Misfit) -> Score | None:
+def score(proposal: Proposal, start: dict[str, float], misfit: Misfit, reference: float) -> Score | None:
     """The promise of a proposal from one of its starts.
 
-    minimise |r + J Δu|² over the new parameters and the model's own, at the null of the physics, within the new
-    parameters' bounds. A proposal without a null promises whatever its start already gains.
+    minimise |r + J Δu|² over the new parameters and the model's own, at the null of the physics (or, where it has none, at
+    the start itself), within the bounds.
 
     Arguments:
+        start: values by path; what it does not name keeps the model's value.
         misfit: of the proposal's model.
+        reference: sum of squared residuals without the physics.
     """
-    point = misfit.scaled(np.array([{**start, **proposal.null}.get(n, p.value) for n, p in misfit.model.free_parameters().items()]))
+    point = misfit.start_at({**start, **proposal.null})
     try:
         residual, jacobian = misfit.residual_and_jacobian(point)
     except SimulationError:
         return None
     new = np.array([name in proposal.parameters for name in misfit.names])
-    step = _bounded_step(residual, jacobian, point, *misfit.bounds(), new)
-    drop = float(residual @ residual - np.sum((residual + jacobian @ step) ** 2))
-    moved = np.where(new, point + step, point)
+    size = np.abs(misfit.parameters(point)) / misfit.scaling(point)
+    reach = np.where(new | (size == 0), np.inf, LONGEST_STEP * size)
+    step = _bounded_step(residual, jacobian, point, *misfit.bounds(), reach)
+    drop = reference - float(np.sum((residual + jacobian @ step) ** 2))
+    moved = np.where(new & np.isin(misfit.names, list(proposal.null)), point + step, point)
     return Score(proposal, misfit.values(moved), drop)
 
 
 def _bounded_step(
-    residual: np.ndarray, jacobian: np.ndarray, point: np.ndarray, lower: np.ndarray, upper: np.ndarray, new: np.ndarray
+    residual: np.ndarray, jacobian: np.ndarray, point: np.ndarray, lower: np.ndarray, upper: np.ndarray, reach: np.ndarray
 ) -> np.ndarray:
-    """The Gauss-Newton step; new parameters that would leave their bounds stop there."""
+    """The Gauss-Newton step, damped to about `reach`; parameters that would leave their bounds stop there."""
     curvature = jacobian.T @ jacobian
     gradient = jacobian.T @ residual
     weak = 1e-12 * max(float(np.diag(curvature).max(initial=0.0)), 1e-300)
-    curvature[np.diag_indices_from(curvature)] += np.where(new, weak, 1.0 / PRIOR_STD**2)
+    curvature[np.diag_indices_from(curvature)] += weak + 1.0 / reach**2
     free, step = np.ones(len(point), dtype=bool), np.zeros(len(point))
     for _ in range(len(point)):
         held = curvature[np.ix_(free, ~free)] @ step[~free]

@@ -59,7 +59,9 @@ def groups_of(
             continue
         kind = str(node.attrs["observer"])
         if kind not in observers:
-            raise CrashkitError(f"{run}: {name}: expected an installed observer ({', '.join(sorted(observers))}), found {kind}")
+            raise CrashkitError(
+                f"{run}: {name}: expected an installed observer ({', '.join(sorted(observers))}), found {kind}"
+            )
         yield _group(run, name, observers[kind](), node.to_dataset(inherit=False), bodies)
 
 
@@ -70,7 +72,9 @@ def _group(run: str, name: str, observer: Observer, dataset: xr.Dataset, bodies:
     labels = [(str(sensor), str(axis)) for sensor in dataset[observer.channel].values for axis in dataset["axis"].values]
     flat = recorded.reshape(len(times), -1)
     channels = tuple(
-        Channel(run, name, sensor, axis, _noise(dataset, observer, column, flat, times, len(dataset["axis"])), _count(flat, column))
+        Channel(
+            run, name, sensor, axis, _noise(dataset, observer, column, flat, times, len(dataset["axis"])), _count(flat, column)
+        )
         for column, (sensor, axis) in enumerate(labels)
     )
     return Group(run, name, observer, dataset, times, flat, channels)
@@ -89,4 +93,6 @@ def _check_bodies(run: str, name: str, observer: Observer, dataset: xr.Dataset, 
     unknown = sorted(carriers - bodies)
     if unknown:
         variable = f"{name}/{observer.channel}_body"
-        raise CrashkitError(f"{run}: {variable}: expected a body of the model ({', '.join(sorted(bodies))}), found {unknown[0]}")
+        raise CrashkitError(
+            f"{run}: {variable}: expected a body of the model ({', '.join(sorted(bodies))}), found {unknown[0]}"
+        )

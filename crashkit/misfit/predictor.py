@@ -48,7 +48,9 @@ class Predictor:
         errors = instrument_errors(self.model, values)
         return [self._observe(group, motions[group.run], errors, sensitivities) for group in self.groups]
 
-    def _observe(self, group: Group, motion: xr.Dataset, errors: Mapping[str, SensorErrors], sensitivities: bool) -> Prediction:
+    def _observe(
+        self, group: Group, motion: xr.Dataset, errors: Mapping[str, SensorErrors], sensitivities: bool
+    ) -> Prediction:
         observer = group.observer
         read = observer.predict(motion, group.dataset, errors.get(group.name))
         samples = read.variables[observer.quantity].values.reshape(group.recorded.shape)

@@ -8,6 +8,7 @@ from attrs import evolve
 
 from crashkit.mechanics import Engine, Simulator
 from crashkit.misfit.channel import Channel, Group, groups_of
+from crashkit.misfit.noise import Noise
 from crashkit.misfit.predictor import Prediction, Predictor
 from crashkit.model import Model
 from crashkit.protocols import Observer, SpringLaw
@@ -59,6 +60,10 @@ class Misfit:
     def start(self) -> np.ndarray:
         """The model's own values, as search variables."""
         return self.scaled(np.array([parameter.value for parameter in self._free]))
+
+    def start_at(self, values: Mapping[str, float]) -> np.ndarray:
+        """These values by path, and the model's own for the rest, as search variables."""
+        return self.scaled(np.array([values.get(n, p.value) for n, p in zip(self.names, self._free, strict=True)]))
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper bounds of the search variables."""
@@ -122,6 +127,14 @@ class Misfit:
         groups = [evolve(g, channels=tuple(_reweighted(c, float(next(sums))) for c in g.channels)) for g in self.groups]
         return self._with(self.model, groups)
 
+    def with_noise(self, levels: Mapping[tuple[str, str, str], Noise]) -> "Misfit":
+        """The same misfit with other noise for some channels, by (instrument, sensor, axis)."""
+        groups = [
+            evolve(g, channels=tuple(evolve(c, noise=levels.get((c.instrument, c.sensor, c.axis), c.noise)) for c in g.channels))
+            for g in self.groups
+        ]
+        return self._with(self.model, groups)
+
     def with_model(self, model: Model, laws: Mapping[str, type[SpringLaw]], engine: Engine | None = None) -> "Misfit":
         """The misfit of another model to the same recordings, with the same weights."""
         return self._with(model, list(self.groups), Simulator(model, laws, engine))
@@ -139,6 +152,13 @@ class Misfit:
         copy._setup(self.model, chosen, [g for g in self.groups if g.run in chosen], self.predictor.simulator)
         return copy
 
+    def at_speed(self, factor: float) -> "Misfit":
+        """The same instruments in tests with all initial velocities multiplied, to ask what such tests would show."""
+        copy = object.__new__(Misfit)
+        faster = {run: _faster(recording, factor) for run, recording in self.recordings.items()}
+        copy._setup(self.model, faster, list(self.groups), self.predictor.simulator)
+        return copy
+
     def _with(self, model: Model, groups: list[Group], simulator: Simulator | None = None) -> "Misfit":
         copy = object.__new__(Misfit)
         copy._setup(model, self.recordings, groups, simulator or self.predictor.simulator)
@@ -150,6 +170,11 @@ class Misfit:
             for group, prediction, mask, weight in zip(self.groups, predictions, self._masks, self._weights, strict=True)
         ]
         return np.concatenate(parts)
+
+
+def _faster(recording: xr.DataTree, factor: float) -> xr.DataTree:
+    state = recording["initial"].to_dataset(inherit=False)
+    return recording.assign({"initial": xr.DataTree(state.assign(velocity=factor * state["velocity"]))})
 
 
 def _weighted(difference: np.ndarray, weight: np.ndarray) -> np.ndarray:

@@ -52,13 +52,6 @@ def rating(reference: np.ndarray, simulated: np.ndarray, interval: float) -> Rat
     return Rating(0.4 * corridor + 0.2 * (phase + magnitude + slope), corridor, phase, magnitude, slope)
 
 
-def grade(total: float) -> str:
-    """The standard's word for a total rating: excellent, good, fair or poor; "" for NaN."""
-    if math.isnan(total):
-        return ""
-    return next((word for limit, word in ((0.94, "excellent"), (0.8, "good"), (0.58, "fair")) if total > limit), "poor")
-
-
 def _prepared(samples: np.ndarray, interval: float) -> np.ndarray:
     """Samples at 10 kHz without gaps; all NaN if there is no sample."""
     samples = np.asarray(samples, float)

@@ -17,6 +17,7 @@ class ParameterSpec:
         default: the value when a file omits it (then it is fixed); None: the file must give it.
         free: whether a plain number in a file is free to be identified.
         vector: True for a list of numbers, one parameter each.
+        increasing: whether the numbers of a vector must increase strictly.
         null: the value at which the physics of this parameter is absent; a plain number equal to it is fixed.
     """
 
@@ -29,3 +30,4 @@ class ParameterSpec:
     free: bool = True
     vector: bool = False
     null: float | None = None
+    increasing: bool = False

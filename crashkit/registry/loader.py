@@ -1,7 +1,8 @@
 """The loader: strict about what a plugin returns, kind about one that fails.
 
-pluggy alone passes over a misspelt hook and a second distribution with the same entry-point name, and one plugin that cannot be
-imported stops all others. Here each plugin has a manager of its own, and the smallest thing at fault is refused, with a reason.
+pluggy alone passes over a misspelt hook and a second distribution with the same entry-point name, and one plugin that cannot
+be imported stops all others. Here each plugin has a manager of its own, and the smallest thing at fault is refused, with a
+reason.
 """
 
 from collections import defaultdict
@@ -160,7 +161,10 @@ def _name_clashes(plugins: Iterable[Plugin]) -> Iterator[tuple[Plugin, Failure]]
             others = " and ".join(str(other) for other in group if other is not plugin)
             if others:
                 claim = f'{class_name(plugin.implementation)} is called {kind} "{name}" as is {others}'
-                yield plugin, Failure(plugin.distribution, plugin.version, f"{claim}: neither is used, rename or uninstall one")
+                yield (
+                    plugin,
+                    Failure(plugin.distribution, plugin.version, f"{claim}: neither is used, rename or uninstall one"),
+                )
 
 
 def _one_line(error: BaseException) -> str:

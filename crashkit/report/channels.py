@@ -23,7 +23,7 @@ UNRATED = ChannelFit(np.nan, np.nan, np.nan, np.nan)
 
 
 @frozen
-class Channel:
+class ChannelCurves:
     """One channel of one run.
 
     Attributes:
@@ -55,7 +55,7 @@ class Channel:
         return max(1.0, float(np.isfinite(self.recorded).sum()) / independent) if independent > 0 else 1.0
 
 
-def channels_of(diagnosis: Diagnosis) -> Iterator[Channel]:
+def channels_of(diagnosis: Diagnosis) -> Iterator[ChannelCurves]:
     """Every channel with its curves, in the order of the diagnosis."""
     fits = {model: _by_channel(diagnosis, model) for model in ("before", "after")}
     for run, instruments in diagnosis.curves.children.items():
@@ -84,10 +84,10 @@ def _by_channel(diagnosis: Diagnosis, model: str) -> dict[str, ChannelFit]:
 
 def _channel(
     group: xr.Dataset, index: int, run: str, instrument: str, sensor: str, fits: dict[str, dict[str, ChannelFit]]
-) -> Channel:
+) -> ChannelCurves:
     curves = {name: group[name].isel(channel=index).values for name in ("recorded", "before", "after")}
     std = group["std"].isel(channel=index).values if "channel" in group["std"].dims else group["std"].values
-    return Channel(
+    return ChannelCurves(
         run=run,
         instrument=instrument,
         sensor=sensor,

@@ -8,35 +8,53 @@ import numpy as np
 import xarray as xr
 from attrs import frozen
 
-from crashkit.report.channels import Channel
+from crashkit.report.channels import ChannelCurves
 from crashkit.report.words import unit
 
 Figure = dict[str, object]
 
-RECORDED, BEFORE, AFTER = "#a7aeb8", "#d55e00", "#0072b2"
+
+@frozen
+class Style:
+    """How the curve of a model is drawn."""
+
+    model: str
+    colour: str
+    dash: str
+
+
+RECORDED = "#b4bbc5"
+BEFORE, AFTER = Style("before", "#d55e00", "dash"), Style("after", "#0072b2", "solid")
 RUN_COLOURS = ("#0072b2", "#009e73", "#cc79a7", "#d55e00", "#56b4e9", "#e69f00")  # Okabe and Ito: safe for colour-blind eyes
 DISPLAYED = {"s": (1e3, "ms"), "m": (1e3, "mm"), "N": (1e-3, "kN")}
 MOST_POINTS = 4000
 RESIDUAL_POINTS = 120
 
 
-def channel_chart(channel: Channel, with_after: bool) -> Figure:
+def channel_chart(channel: ChannelCurves, with_after: bool) -> Figure:
     """Recorded, before and after over time; below, the residuals averaged over short blocks, in standard deviations."""
     scale, units = DISPLAYED.get(channel.units, (1.0, unit(channel.units)))
-    models = {"before": (channel.before, BEFORE, "dash"), "after": (channel.after, AFTER, "solid")}
-    shown = models if with_after else {"model": models["before"]}
-    traces = [_line(channel.time, scale * channel.recorded, "recorded", RECORDED, width=2.4)]
-    for name, (values, colour, dash) in shown.items():
-        traces.append(_line(channel.time, scale * values, name, colour, dash=dash))
-        times, residual = block_residual(channel, values)
-        traces.append(_line(times, residual, name, colour, width=1.2, yaxis="y2", hovertemplate="%{y:.1f} σ"))
-    layout = _layout(_axis("time (ms)", anchor="y2"), _axis(_title(channel.quantity, units), domain=[0.33, 1.0]))
-    layout["yaxis2"] = _axis("residual (σ)", domain=[0.0, 0.22], nticks=4)
+    shown = (BEFORE, AFTER) if with_after else (BEFORE,)
+    traces = [_line(channel.time, scale * channel.recorded, "recorded", RECORDED, width=3.5)]
+    residuals = [block_residual(channel, getattr(channel, style.model)) for style in shown]
+    for style, (times, residual) in zip(shown, residuals, strict=True):
+        name = style.model if with_after else "model"
+        traces.append(_line(channel.time, scale * getattr(channel, style.model), name, style.colour, dash=style.dash))
+        traces.append(_line(times, residual, name, style.colour, width=1.2, yaxis="y2", hovertemplate="%{y:.1f} σ"))
+    largest = _residual_range([residual for _, residual in residuals])
+    layout = _layout(_axis("time (ms)", anchor="y2"), _axis(_title(channel.quantity, units), domain=[0.36, 1.0]))
+    layout["yaxis2"] = _axis("residual (σ)", domain=[0.0, 0.26], range=[-largest, largest], nticks=4)
     layout["shapes"] = [_noise_band()]
     return {"data": traces, "layout": layout}
 
 
-def block_residual(channel: Channel, simulated: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _residual_range(residuals: Sequence[np.ndarray]) -> float:
+    """Wide enough for the last model's residual, but not so wide for the first's that the noise cannot be seen."""
+    first, last = (np.nanmax(np.abs(residual), initial=0.0) for residual in (residuals[0], residuals[-1]))
+    return float(max(4.0, 1.1 * last, min(1.1 * first, 12.0)))
+
+
+def block_residual(channel: ChannelCurves, simulated: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Means of recorded - simulated over blocks of samples, divided by the standard deviation of such a mean.
 
     Without anything missing these are standard normal, whatever the sampling rate; a systematic difference that single

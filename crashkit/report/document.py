@@ -36,7 +36,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, object]:
 
 
 def _finding(finding: Finding) -> dict[str, object]:
-    return attrs.asdict(finding, recurse=True, retain_collection_types=True)
+    return attrs.asdict(finding)
 
 
 def _fit(fit: Fit | None) -> dict[str, object]:

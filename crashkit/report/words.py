@@ -41,6 +41,7 @@ VERDICTS = {
 }
 
 LIKELIHOODS = ((0.99, "practically certain"), (0.9, "very likely"), (0.66, "likely"), (0.33, "about as likely as not"))
+GRADES = ((0.94, "excellent"), (0.8, "good"), (0.58, "fair"))
 
 
 def verdict_of(name: str) -> Verdict:
@@ -59,6 +60,13 @@ def likelihood(probability: float) -> str:
     if math.isnan(probability):
         return "not rated"
     return next((words for limit, words in LIKELIHOODS if probability >= limit), "unlikely")
+
+
+def grade(rating: float) -> str:
+    """The word of ISO/TS 18571 for a rating."""
+    if math.isnan(rating):
+        return ""
+    return next((word for limit, word in GRADES if rating > limit), "poor")
 
 
 def percent(probability: float) -> str:
@@ -90,6 +98,8 @@ def number(value: float, digits: int = 3) -> str:
     """A number with so many significant digits; a dash for what is not finite."""
     if not math.isfinite(value):
         return "–"
+    if value == 0:
+        return "0"
     exponent = _exponent(value, digits)
     if -4 < exponent < 6:
         return _grouped(value, max(0, digits - 1 - exponent))

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from crashkit.misfit.rating import Rating, grade, rating
+from crashkit.misfit.rating import Rating, rating
 
 INTERVAL = 1e-4
 
@@ -85,7 +85,9 @@ def test_missing_samples_are_interpolated() -> None:
     reference, simulated = pulse(), 0.9 * pulse(width=0.55)
     hidden = reference.copy()
     hidden[100:110] = np.nan
-    assert scores(rating(hidden, simulated, INTERVAL)) == pytest.approx(scores(rating(reference, simulated, INTERVAL)), abs=0.01)
+    assert scores(rating(hidden, simulated, INTERVAL)) == pytest.approx(
+        scores(rating(reference, simulated, INTERVAL)), abs=0.01
+    )
 
 
 @pytest.mark.parametrize(
@@ -107,8 +109,3 @@ def test_a_simulation_that_does_not_move_is_not_shifted() -> None:
     result = rating(pulse(), np.zeros(600), INTERVAL)
     assert result.phase == 1.0
     assert result.magnitude == 0.0
-
-
-@pytest.mark.parametrize(("total", "word"), [(0.95, "excellent"), (0.9, "good"), (0.6, "fair"), (0.58, "poor"), (math.nan, "")])
-def test_grades_are_those_of_the_standard(total: float, word: str) -> None:
-    assert grade(total) == word

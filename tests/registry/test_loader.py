@@ -167,7 +167,9 @@ def test_a_fault_is_named_and_the_rest_keeps_working(install, installed, fault):
 def test_a_hook_that_takes_arguments_is_refused(install, installed):
     install("bad", law("linear").replace("crashkit_spring_laws()", "crashkit_spring_laws(model)"))
     (failure,) = installed().failures
-    assert failure.reason.startswith("bad cannot be imported: PluginValidationError: Plugin 'bad' for hook 'crashkit_spring_laws'")
+    assert failure.reason.startswith(
+        "bad cannot be imported: PluginValidationError: Plugin 'bad' for hook 'crashkit_spring_laws'"
+    )
     assert "{'model'}" in failure.reason
 
 

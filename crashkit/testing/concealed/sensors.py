@@ -153,11 +153,18 @@ def noise_gain(cfc: int, rate: float) -> float:
 
 
 def record(
-    instruments: dict[str, Instrument], trace: Trace, duration: float, speed: float, bodies: list[str], rng: np.random.Generator
+    instruments: dict[str, Instrument],
+    trace: Trace,
+    duration: float,
+    speed: float,
+    bodies: list[str],
+    rng: np.random.Generator,
 ) -> xr.DataTree:
     """One test as a recording of the data contract; `bodies` are those that the model knows to move."""
     groups = {"initial": _initial(trace, speed, bodies)}
-    groups |= {name: _group(instrument, trace, duration, rng) for name, instrument in instruments.items() if instrument.sensors}
+    groups |= {
+        name: _group(instrument, trace, duration, rng) for name, instrument in instruments.items() if instrument.sensors
+    }
     tree = xr.DataTree.from_dict(groups)
     tree.attrs = {"crashkit_schema": "recording/1", "title": f"run at {speed:g} m/s"}
     return tree

@@ -3,7 +3,7 @@
 import copy
 
 import numpy as np
-from attrs import define, field
+from attrs import define
 
 from crashkit.testing.concealed.sensors import Instrument, Sensor
 from crashkit.testing.concealed.world import World, WorldJoint
@@ -42,7 +42,6 @@ class Scene:
     instruments: dict[str, Instrument]
     speeds: list[float]
     duration: float
-    forgotten: set[tuple[str, str]] = field(factory=set)
 
     def copy(self) -> "Scene":
         """A copy that can be changed on its own."""
@@ -60,7 +59,10 @@ def draw_scene(rng: np.random.Generator, number: int | None = None, wall: bool |
     crush, middle = rng.uniform(0.35, 0.65), rng.uniform(9.0, 14.0)
     world = World(_bodies(rng, obstacle, bodies, crush), {})
     _join(rng, world, obstacle, bodies, crush, middle**2 / (2.0 * crush))
-    speeds = [round(middle * factor * 2.0) / 2.0 for factor in (rng.uniform(0.65, 0.75), 1.0, rng.uniform(1.2, 1.3), rng.uniform(1.4, 1.5))]
+    speeds = [
+        round(middle * factor * 2.0) / 2.0
+        for factor in (rng.uniform(0.65, 0.75), 1.0, rng.uniform(1.2, 1.3), rng.uniform(1.4, 1.5))
+    ]
     instruments = _instruments(rng, obstacle, bodies, wall, complete)
     return Scene(obstacle, bodies, world, list(world.joints), instruments, speeds, round(rng.uniform(0.13, 0.18), 2))
 
@@ -102,7 +104,10 @@ def _crusher(rng: np.random.Generator, force: float, crush: float) -> dict[str, 
 
 
 def _mount(rng: np.random.Generator, force: float) -> dict[str, float]:
-    return _plateau(rng, force, rng.uniform(0.02, 0.06), rng.uniform(0.1, 0.2))
+    fields = _plateau(rng, force, rng.uniform(0.02, 0.06), rng.uniform(0.1, 0.2))
+    if rng.random() < 0.15:
+        del fields["unloading_stiffness"]  # an elastic mount
+    return fields
 
 
 def _plateau(rng: np.random.Generator, force: float, elastic: float, densification: float) -> dict[str, float]:
@@ -117,7 +122,9 @@ def _plateau(rng: np.random.Generator, force: float, elastic: float, densificati
     }
 
 
-def _instruments(rng: np.random.Generator, obstacle: str, bodies: list[str], wall: bool | None, complete: bool) -> dict[str, Instrument]:
+def _instruments(
+    rng: np.random.Generator, obstacle: str, bodies: list[str], wall: bool | None, complete: bool
+) -> dict[str, Instrument]:
     film = Instrument("film", float(rng.choice([500.0, 1000.0, 2000.0], p=[0.15, 0.7, 0.15])))
     rate = float(rng.choice([5000.0, 10000.0, 20000.0], p=[0.15, 0.7, 0.15]))
     accelerometer = Instrument("accelerometer", rate, cfc=int(rng.choice([0, 60, 180, 600], p=[0.5, 0.1, 0.25, 0.15])))
@@ -132,7 +139,9 @@ def _instruments(rng: np.random.Generator, obstacle: str, bodies: list[str], wal
     instruments = {"film": film, "accelerometer": accelerometer}
     if rng.random() < 0.45 if wall is None else wall:
         # The noise is a share of the peak force, known only when the runs are: `case` scales it.
-        instruments["wall"] = Instrument("load_cell", rate, {"wall": Sensor(obstacle, rng.uniform(0.01, 0.02))}, accelerometer.cfc)
+        instruments["wall"] = Instrument(
+            "load_cell", rate, {"wall": Sensor(obstacle, rng.uniform(0.01, 0.02))}, accelerometer.cfc
+        )
     for instrument in instruments.values():
         instrument.std_given = bool(rng.random() < 0.85)
     return instruments

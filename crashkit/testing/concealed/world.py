@@ -67,7 +67,9 @@ JOINT_FIELDS: dict[str, float] = {
 }
 BODY_FIELDS: dict[str, float] = {"position": 0.0, "moving": 1.0, "mobility": 0.0, "friction": 0.0, "friction_velocity": 1.0}
 
-_JOINT = np.dtype([("front", "i8"), ("back", "i8"), ("side", "f8"), ("length", "f8"), *((name, "f8") for name in JOINT_FIELDS)])
+_JOINT = np.dtype(
+    [("front", "i8"), ("back", "i8"), ("side", "f8"), ("length", "f8"), *((name, "f8") for name in JOINT_FIELDS)]
+)
 _BODY = np.dtype([(name, "f8") for name in BODY_FIELDS])
 
 
@@ -178,7 +180,9 @@ def _static_force(joint, d, d_max):
     free = 0.0 if joint.unloading_stiffness == 0.0 else d_max - top / joint.unloading_stiffness
     if d <= free:
         force = -min(joint.tension_stiffness * (free - d), joint.tension_limit)
-        return force if joint.plastic_share == 1.0 else force + (1.0 - joint.plastic_share) * _loading_force(joint, max(d, 0.0))
+        return (
+            force if joint.plastic_share == 1.0 else force + (1.0 - joint.plastic_share) * _loading_force(joint, max(d, 0.0))
+        )
     if joint.unloading_stiffness == 0.0 or d >= d_max:
         return _loading_force(joint, d)
     plastic = top * ((d - free) / (d_max - free)) ** joint.unloading_power

@@ -22,7 +22,9 @@ class Accelerometer(Observer):
         (
             Variable("acceleration", DIMS, "m s-2", "a sensor's acceleration along each axis", allow_nan=True),
             Variable("sensor_body", ("sensor",), None, "the body that carries the sensor", kind="text"),
-            Variable("sensor_point", ("sensor", "axis"), "m", "the sensor's place in the body's frame, from the centre of mass"),
+            Variable(
+                "sensor_point", ("sensor", "axis"), "m", "the sensor's place in the body's frame, from the centre of mass"
+            ),
             Variable("acceleration_std", ("sensor",), "m s-2", "standard deviation of a sample as recorded", required=False),
         ),
         (

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
+from numba import njit
 
 from crashkit.data.channel_filter import filter_channel
 from crashkit.data.schema import Attribute
@@ -45,29 +46,33 @@ def predict_channels(
     nodes = motion.variables["time"].values
     at = times - own["clock_offset"][0]
     seen = _seen(nodes, at)
+    bodies = _rows(observer, motion, "body", instrument.variables["sensor_body"].values)
+    axes = _rows(observer, motion, "axis", instrument.variables["axis"].values)
     cfc = int(instrument.attrs.get("channel_frequency_class", 0))
 
-    def record(samples: np.ndarray) -> np.ndarray:
-        recorded = np.full((len(times), *samples.shape[1:]), np.nan)
-        recorded[seen] = filter_channel(samples, times[seen], cfc, before=0.0)
-        return recorded
+    def truth(name: str, at: np.ndarray) -> np.ndarray:
+        if name not in motion.variables:
+            raise CrashkitError(f"{observer.name}: expected a motion with {name}, found none")
+        return sample(nodes, motion.variables[name].values, bodies, axes, at)
 
-    truth = _sensor_variable(observer, motion, variable, instrument)
-    unscaled = record(sample(nodes, truth, at[seen]))
-    rate = record(slope(nodes, truth, at[seen], times))
+    def record(samples: np.ndarray) -> np.ndarray:
+        return _pad(filter_channel(samples, times[seen], cfc, before=0.0), seen, len(times))
+
+    unscaled = record(truth(variable, at[seen]))
+    half = 0.5 * (times[-1] - times[0]) / max(len(times) - 1, 1)  # a rate over one sample's width: it jumps at the nodes
+    earlier, later = at[seen] - half, np.minimum(at[seen] + half, nodes[-1])
+    rate = record((truth(variable, later) - truth(variable, earlier)) / (later - earlier)[:, None, None])
     derivatives = np.stack([unscaled, np.ones_like(unscaled), -gain * rate], axis=-1)
     units = instrument.variables[observer.quantity].attrs.get("units", "")
     predicted = {
         observer.quantity: xr.Variable(DIMS, gain * unscaled + bias, {"units": units}),
         f"{observer.quantity}_error_sensitivity": xr.Variable((*DIMS, "error"), derivatives),
     }
-    coords = {name: instrument.variables[name] for name in DIMS} | {"error": [spec.name for spec in observer.errors]}
     if f"{variable}_sensitivity" in motion.variables:
-        columns = _sensor_variable(observer, motion, f"{variable}_sensitivity", instrument)
-        sensitivity = gain[..., None] * record(sample(nodes, columns, at[seen]))
+        sensitivity = record(truth(f"{variable}_sensitivity", at[seen]))
+        sensitivity *= gain[..., None]
         predicted[f"{observer.quantity}_sensitivity"] = xr.Variable((*DIMS, "parameter"), sensitivity)
-        coords["parameter"] = motion.variables["parameter"]
-    return xr.Dataset(predicted, coords)
+    return xr.Dataset(predicted, _coordinates(observer, motion, instrument))
 
 
 def reconstruct_bodies(observer: Observer, instrument: xr.Dataset, variable: str) -> xr.Dataset:
@@ -99,32 +104,23 @@ def error_values(observer: Observer, sensors: Sequence[str], errors: SensorError
     return values
 
 
-def sample(nodes: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Linear interpolation, 0 before the first node: motion is uniform before an impact.
+def sample(nodes: np.ndarray, values: np.ndarray, bodies: np.ndarray, axes: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Some bodies and axes by linear interpolation, 0 before the first node: motion is uniform before an impact.
 
     Arguments:
         nodes: s, (node,).
-        values: (node, ...).
+        values: (node, body, axis) or (node, body, axis, parameter).
+        bodies, axes: the indices to take.
         at: s, (time,), none after the last node.
 
     Returns:
-        (time, ...).
+        (time, len(bodies), len(axes)) or with a last dim (parameter).
     """
-    index = np.clip(np.searchsorted(nodes, at, side="right") - 1, 0, len(nodes) - 2)
-    weight = (at - nodes[index]) / (nodes[index + 1] - nodes[index])
-    left = values[index]
-    if weight.any():
-        left = left + weight.reshape(-1, *(1,) * (values.ndim - 1)) * (values[index + 1] - left)
-    left[at < nodes[0]] = 0.0
-    return left
-
-
-def slope(nodes: np.ndarray, values: np.ndarray, at: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """The rate of `sample`, over the width of one recorded sample because it jumps at the nodes."""
-    half = 0.5 * (times[-1] - times[0]) / max(len(times) - 1, 1)
-    later = np.minimum(at + half, nodes[-1])
-    width = (later - at + half).reshape(-1, *(1,) * (values.ndim - 1))
-    return (sample(nodes, values, later) - sample(nodes, values, at - half)) / width
+    right = np.searchsorted(nodes, at, side="right").clip(1, len(nodes) - 1)
+    weight = (at - nodes[right - 1]) / (nodes[right] - nodes[right - 1])
+    result = _interpolate(values.reshape(*values.shape[:3], -1), bodies, axes, right, weight)
+    result[: np.searchsorted(at, nodes[0])] = 0.0
+    return result.reshape(result.shape[: values.ndim])
 
 
 def _seen(nodes: np.ndarray, at: np.ndarray) -> slice:
@@ -133,19 +129,43 @@ def _seen(nodes: np.ndarray, at: np.ndarray) -> slice:
     return slice(first, max(first, int(np.searchsorted(at, nodes[-1], side="right"))))
 
 
-def _sensor_variable(observer: Observer, motion: xr.Dataset, name: str, instrument: xr.Dataset) -> np.ndarray:
-    """A variable of the motion, (time, body, axis, ...), for each sensor's body and axes: (time, sensor, axis, ...)."""
-    if name not in motion.variables:
-        raise CrashkitError(f"{observer.name}: expected a motion with {name}, found none")
-    bodies = _rows(observer, motion, "body", instrument.variables["sensor_body"].values)
-    axes = _rows(observer, motion, "axis", instrument.variables["axis"].values)
-    return motion.variables[name].values[:, bodies][:, :, axes]
+def _pad(recorded: np.ndarray, seen: slice, count: int) -> np.ndarray:
+    """The samples with NaN for the time stamps that the motion does not tell of."""
+    if len(recorded) == count:
+        return recorded
+    padded = np.full((count, *recorded.shape[1:]), np.nan)
+    padded[seen] = recorded
+    return padded
 
 
-def _rows(observer: Observer, motion: xr.Dataset, dim: str, names: np.ndarray) -> list[int]:
+def _rows(observer: Observer, motion: xr.Dataset, dim: str, names: np.ndarray) -> np.ndarray:
     known = motion.variables[dim].values.tolist()
     missing = set(names.tolist()) - set(known)
     if missing:
         place = f"{observer.name}: expected a {dim} of the motion"
         raise CrashkitError(f"{place} ({', '.join(known)}), found {', '.join(sorted(missing))}")
-    return [known.index(name) for name in names.tolist()]
+    return np.array([known.index(name) for name in names.tolist()])
+
+
+def _coordinates(observer: Observer, motion: xr.Dataset, instrument: xr.Dataset) -> xr.Coordinates:
+    """The coordinates of a prediction, without indexes: building those takes longer than predicting."""
+    variables = {"error": xr.Variable("error", [spec.name for spec in observer.errors])}
+    for source, dims in ((instrument, DIMS), (motion, ("parameter",))):
+        variables |= {dim: source.variables[dim] for dim in dims if dim in source.variables}
+    return xr.Coordinates(variables, indexes={})
+
+
+@njit(cache=True)
+def _interpolate(
+    values: np.ndarray, bodies: np.ndarray, axes: np.ndarray, right: np.ndarray, weight: np.ndarray
+) -> np.ndarray:  # pragma: no cover
+    """Plain loops: whole-array expressions would go through memory five times."""
+    result = np.empty((len(right), len(bodies), len(axes), values.shape[3]))
+    for time in range(len(right)):
+        for sensor in range(len(bodies)):
+            for axis in range(len(axes)):
+                start = values[right[time] - 1, bodies[sensor], axes[axis]]
+                end = values[right[time], bodies[sensor], axes[axis]]
+                for parameter in range(values.shape[3]):
+                    result[time, sensor, axis, parameter] = start[parameter] + weight[time] * (end[parameter] - start[parameter])
+    return result

@@ -5,10 +5,12 @@ import xarray as xr
 
 from crashkit.data.schema import GroupSchema, Variable
 from crashkit.protocols import Observer, ParameterSpec, SensorErrors
-from crashkit_cameras.marker_motion import error_values, marker_variable, sample_path
+from crashkit_cameras.marker_motion import error_values, sample_path, selection
 
 MARKER_BODY = Variable("marker_body", ("marker",), None, "the body that carries the marker", kind="text")
-MARKER_POINT = Variable("marker_point", ("marker", "axis"), "m", "the marker's place in the body's frame, from the centre of mass")
+MARKER_POINT = Variable(
+    "marker_point", ("marker", "axis"), "m", "the marker's place in the body's frame, from the centre of mass"
+)
 
 DIMS = ("time", "marker", "axis")
 
@@ -41,27 +43,28 @@ class Film(Observer):
     def predict(self, motion: xr.Dataset, instrument: xr.Dataset, errors: SensorErrors | None = None) -> xr.Dataset:
         """The markers' positions, as `Observer.predict` says."""
         own = error_values(self, instrument.variables["marker"].values.tolist(), errors)
+        gain, bias = own["gain"][:, None], own["bias"][:, None]
         nodes = motion.variables["time"].values
         at = instrument.variables["time"].values - own["clock_offset"][0]
-        gain, bias = own["gain"][:, None], own["bias"][:, None]
+        at_markers = selection(motion, instrument)
 
-        start = marker_variable(motion, "position", instrument)
-        path, rate = sample_path(nodes, start, marker_variable(motion, "velocity", instrument), at)
-        displacement = path - start[0]
-        position = start[0] + instrument.variables["marker_point"].values + gain * displacement + bias
+        path = at_markers("position")
+        start = path[0]
+        path, rate = sample_path(nodes, path, at_markers("velocity"), at)
+        displacement = path - start
+        position = start + instrument.variables["marker_point"].values + gain * displacement + bias
         derivatives = np.stack([displacement, np.ones_like(path), -gain * rate], axis=-1)
         predicted = {
             "position": xr.Variable(DIMS, position, {"units": "m"}),
             "position_error_sensitivity": xr.Variable((*DIMS, "error"), derivatives),
         }
-        coords = {name: instrument.variables[name] for name in DIMS} | {"error": [spec.name for spec in self.errors]}
         if "position_sensitivity" in motion.variables:
-            start = marker_variable(motion, "position_sensitivity", instrument)
-            path, _ = sample_path(nodes, start, marker_variable(motion, "velocity_sensitivity", instrument), at)
-            sensitivity = start[0] + gain[..., None] * (path - start[0])
+            path = at_markers("position_sensitivity")
+            start = path[0]
+            path, _ = sample_path(nodes, path, at_markers("velocity_sensitivity"), at)
+            sensitivity = start + gain[..., None] * (path - start)
             predicted["position_sensitivity"] = xr.Variable((*DIMS, "parameter"), sensitivity)
-            coords["parameter"] = motion.variables["parameter"]
-        return xr.Dataset(predicted, coords)
+        return xr.Dataset(predicted, self._coordinates(motion, instrument))
 
     def reconstruct(self, instrument: xr.Dataset) -> xr.Dataset:
         """The bodies' positions, each the mean over its visible markers, and their standard deviations if they are known.
@@ -81,6 +84,13 @@ class Film(Observer):
         for variable in motion.data_vars.values():
             variable.attrs["units"] = "m"
         return motion
+
+    def _coordinates(self, motion: xr.Dataset, instrument: xr.Dataset) -> xr.Coordinates:
+        """The coordinates of a prediction, without indexes: building those takes longer than predicting."""
+        variables = {"error": xr.Variable("error", [spec.name for spec in self.errors])}
+        for source, dims in ((instrument, DIMS), (motion, ("parameter",))):
+            variables |= {dim: source.variables[dim] for dim in dims if dim in source.variables}
+        return xr.Coordinates(variables, indexes={})
 
 
 def _mean(positions: np.ndarray) -> np.ndarray:

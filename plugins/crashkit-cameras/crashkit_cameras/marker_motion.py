@@ -1,6 +1,6 @@
 """Where markers fixed on bodies are at the time stamps of an instrument, and what its own errors make of that."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import xarray as xr
@@ -27,14 +27,22 @@ def error_values(observer: Observer, markers: Sequence[str], errors: SensorError
     return values
 
 
-def marker_variable(motion: xr.Dataset, name: str, instrument: xr.Dataset) -> np.ndarray:
-    """A variable of the motion, (time, body, axis, ...), for each marker's body and the film's axes: (time, marker, axis, ...)."""
+def selection(motion: xr.Dataset, instrument: xr.Dataset) -> Callable[[str], np.ndarray]:
+    """Picks, of a variable of the motion, each marker's body and axes: (time, body, axis, ...) to (time, marker, axis, ...)."""
     bodies = _rows(motion, "body", instrument.variables["marker_body"].values)
     axes = _rows(motion, "axis", instrument.variables["axis"].values)
-    return motion.variables[name].values[:, bodies][:, :, axes]
+
+    def select(name: str) -> np.ndarray:
+        if name not in motion.variables:
+            raise CrashkitError(f"film: expected a motion with {name}, found none")
+        return motion.variables[name].values.take(bodies, axis=1).take(axes, axis=2)
+
+    return select
 
 
-def sample_path(nodes: np.ndarray, position: np.ndarray, velocity: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def sample_path(
+    nodes: np.ndarray, position: np.ndarray, velocity: np.ndarray, at: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Position and velocity at the times `at` by cubic Hermite interpolation, exact at the nodes.
 
     Motion before the first node is uniform if that node is not after the first contact, at t = 0; NaN after the last node.
@@ -47,17 +55,20 @@ def sample_path(nodes: np.ndarray, position: np.ndarray, velocity: np.ndarray, a
     Returns:
         Position and its rate, (time, ...).
     """
-    index = np.clip(np.searchsorted(nodes, at, side="right") - 1, 0, len(nodes) - 2)
+    index = np.searchsorted(nodes, at, side="right").clip(1, len(nodes) - 1)
     column = (-1,) + (1,) * (position.ndim - 1)
-    h = (nodes[index + 1] - nodes[index]).reshape(column)
-    s = (at - nodes[index]).reshape(column) / h
-    p, q, v, w = position[index], position[index + 1], velocity[index], velocity[index + 1]
-    value = p + s * (h * v + s * (3 * (q - p) - h * (2 * v + w) + s * (2 * (p - q) + h * (v + w))))
-    rate = v + s * (6 * (q - p) / h - 2 * (2 * v + w) + 3 * s * (2 * (p - q) / h + v + w))
+    h = (nodes[index] - nodes[index - 1]).reshape(column)
+    s = (at - nodes[index - 1]).reshape(column) / h
+    start, start_rate = position.take(index - 1, axis=0), velocity.take(index - 1, axis=0)
+    step, end_rate = position.take(index, axis=0) - start, velocity.take(index, axis=0)
+    square = 3.0 * step / h - 2.0 * start_rate - end_rate
+    cube = start_rate + end_rate - 2.0 * step / h
+    value = start + h * s * (start_rate + s * (square + s * cube))
+    rate = start_rate + s * (2.0 * square + 3.0 * s * cube)
+
     before = at < nodes[0]
-    if before.any():
-        value[before] = position[0] + velocity[0] * (at[before] - nodes[0]).reshape(column)
-        rate[before] = velocity[0]
+    value[before] = position[0] + velocity[0] * (at[before] - nodes[0]).reshape(column)
+    rate[before] = velocity[0]
     unknown = (at > nodes[-1]) | (before & (nodes[0] > 0.0))
     value[unknown] = np.nan
     rate[unknown] = np.nan

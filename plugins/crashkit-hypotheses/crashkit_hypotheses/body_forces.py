@@ -43,7 +43,9 @@ class GroundFriction(Hypothesis):
         return [self._braked(model, body) for body in model.bodies if body.mass is not None and not body.carrier]
 
     def _braked(self, model: Model, body: Body) -> Proposal:
-        ground = Body(fresh_name("ground", (b.name for b in model.bodies)), _ahead(body), (0.0,) * len(body.position), fixed=True)
+        ground = Body(
+            fresh_name("ground", (b.name for b in model.bodies)), _ahead(body), (0.0,) * len(body.position), fixed=True
+        )
         grounded = evolve(model, bodies=(*model.bodies, ground))
         friction = {"friction_force": Parameter(0.0, 0.0, 1e7), "slip_rate": Parameter(0.05, fixed=True)}
         name = fresh_name(f"{body.name}_friction", (joint.name for joint in model.joints))

@@ -11,6 +11,7 @@ from crashkit_hypotheses.build import grid, largest_deformation, parallel
 
 SHARES = (0.5, 0.7, 0.85, 0.95)
 
+
 class Bottoming(Hypothesis):
     """F = F_law(d) + k max(0, d - e), or + c max(0, d - e)^2."""
 
@@ -20,7 +21,12 @@ class Bottoming(Hypothesis):
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """A line and a parabola at every joint that is compressed, from several engagements."""
         reached = {joint.name: largest_deformation(motion, joint.name) for joint in model.joints}
-        return [form for joint in model.joints if reached[joint.name] > 0 for form in self._forms(model, joint, reached[joint.name])]
+        return [
+            form
+            for joint in model.joints
+            if reached[joint.name] > 0
+            for form in self._forms(model, joint, reached[joint.name])
+        ]
 
     def _forms(self, model: Model, joint: Joint, reached: float) -> list[Proposal]:
         engagement = Parameter(0.8 * reached, 0.2 * reached, 1.2 * reached)

@@ -55,7 +55,11 @@ def _loaded(model: Model, carrier: Body, tie: Tie) -> Proposal:
 def _tie_parameters(tie: Tie, mass: float) -> dict[str, Parameter]:
     stiffest = mass * (2.0 * np.pi / 1e-3) ** 2
     slack = Parameter(0.02, 0.0, 0.5) if "slack" in tie.parameters else Parameter(0.0, fixed=True)
-    return {"stiffness": Parameter(1e-2 * stiffest, 1e-7 * stiffest, stiffest), "damping": Parameter(0.0, 0.0, stiffest), "slack": slack}
+    return {
+        "stiffness": Parameter(1e-2 * stiffest, 1e-7 * stiffest, stiffest),
+        "damping": Parameter(0.0, 0.0, stiffest),
+        "slack": slack,
+    }
 
 
 def _starts(tie: Tie, mass: float) -> Iterator[tuple[float, ...]]:

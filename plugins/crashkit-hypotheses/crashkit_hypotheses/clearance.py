@@ -11,6 +11,7 @@ from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import grid, largest_deformation, proposal
 
+
 class Clearance(Hypothesis):
     """F(d) becomes F(d - gap), and 0 while d < gap."""
 

@@ -14,6 +14,7 @@ from crashkit_hypotheses.build import grid, largest_approach, proposal
 
 SHARES = (0.1, 0.4, 0.6, 0.8, 0.93)
 
+
 class MissingContact(Hypothesis):
     """A joint between two bodies that have none: F = k max(0, d - gap)."""
 

@@ -19,7 +19,9 @@ class ViscousDamping(Hypothesis):
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every joint that is compressed."""
         damping = {"damping": Parameter(0.0, 0.0, 1e7)}
-        return [parallel(model, joint, self.physics, "linear", "viscous", damping, "damping") for joint in _used(model, motion)]
+        return [
+            parallel(model, joint, self.physics, "linear", "viscous", damping, "damping") for joint in _used(model, motion)
+        ]
 
 
 class JointFriction(Hypothesis):
@@ -68,11 +70,11 @@ class ProgressiveFolding(Hypothesis):
 
     def _folds(self, model: Model, joint: Joint, reached: float) -> Proposal:
         folds = {
-            "fold_force": Parameter(0.0, -1e7, 1e7),
+            "amplitude": Parameter(0.0, 0.0, 1e7),
             "fold_length": Parameter(0.2 * reached, 0.02 * reached, 0.6 * reached),
         }
         starts = grid(fold_length=[share * reached for share in (0.08, 0.12, 0.18, 0.27, 0.4)])
-        return parallel(model, joint, self.physics, "sine", "folding", folds, "fold_force", starts)
+        return parallel(model, joint, self.physics, "sine", "folding", folds, "amplitude", starts)
 
 
 class Tension(Hypothesis):

@@ -11,6 +11,7 @@ from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import grid, largest_deformation, largest_force, proposal
 
+
 class PlasticUnloading(Hypothesis):
     """F = F_load(d_max) - k (d_max - d) where the model unloads along its loading curve."""
 

@@ -13,6 +13,7 @@ LINEAR = {"rate_coefficient": Parameter(0.0, 0.0, 1.0)}
 POWER = {"rate_amplitude": Parameter(0.0, 0.0, 10.0), "rate_exponent": Parameter(0.3, 0.05, 2.0)}
 LOGARITHM = {"rate_amplitude": Parameter(0.0, 0.0, 10.0), "reference_rate": Parameter(0.5, 1e-3, 20.0)}
 
+
 class RateDependence(Hypothesis):
     """F = F_static (1 + a ddot), F_static (1 + a ddot^n) (Cowper-Symonds) or F_static (1 + a ln(1 + ddot / r)) (Johnson-Cook).
 

@@ -78,7 +78,9 @@ class Sensitivity(Identifier[SensitivityState]):
         return self.finish(problem, state)
 
 
-def _state_at(problem: Problem, point: np.ndarray, damping: float, path: tuple[tuple[float, np.ndarray], ...]) -> SensitivityState:
+def _state_at(
+    problem: Problem, point: np.ndarray, damping: float, path: tuple[tuple[float, np.ndarray], ...]
+) -> SensitivityState:
     count = len(point)
     try:
         residual, jacobian = problem.residual_and_jacobian(point)

@@ -3,15 +3,18 @@
 from crashkit.protocols import ParameterSpec, SpringLaw
 from crashkit_spring_laws.shared import CLEARANCE, RATE_COEFFICIENT, TENSION, UNLOADING_STIFFNESS
 
+RISE = 1e-4
+"""m, over which a force given at deformation 0 is reached."""
+
 
 class PiecewiseAffine(SpringLaw):
     """A succession of affine segments (Mizzi & Jezequel 1992, Fig 2).
 
-    With x = d - clearance, F_load is the broken line from (0, 0) through (deformation[i], force[i]), then `final_stiffness`; a
-    force given at deformation 0 replaces the origin, and then the law starts with that preload.
+    With x = d - clearance, F_load is the broken line from (0, 0) through (deformation[i], force[i]), then `final_stiffness`.
     F = max(0, F_load(d_max) - k (d_max - d)) max(0, 1 + a ddot); without unloading stiffness k, F_load(d) in place of the first.
 
-    Below x = 0 the first segment goes on, so that a preload falls off along it; with `tension` it and the unloading line pull.
+    Where the first corner is at deformation 0, its force is reached within 0.1 mm, because a force must be continuous.
+    With `tension` the first line goes on below x = 0, the unloading line goes on below F = 0, and so both pull.
     """
 
     name = "piecewise_affine"
@@ -43,8 +46,10 @@ class PiecewiseAffine(SpringLaw):
         x = turn - clearance
         if deformation[0] > 0.0:
             static = force[0] * x / deformation[0]
+        elif len(force) > 1:
+            static = force[0] + (force[1] - force[0]) / deformation[1] * x
         else:
-            static = 0.0
+            static = force[0] + final_stiffness * x
         for i in range(len(force) - 1):
             if x >= deformation[i]:
                 slope = (force[i + 1] - force[i]) / (deformation[i + 1] - deformation[i])

@@ -13,9 +13,22 @@ UNLOADING_STIFFNESS = ParameterSpec(
 RATE_COEFFICIENT = ParameterSpec(
     "rate_coefficient", "s m-1", "relative rise of the force with deformation rate (a)", lower=0.0, default=0.0, null=0.0
 )
-CLEARANCE = ParameterSpec(
-    "clearance", "m", "gap that closes before the joint pushes", lower=0.0, default=0.0, null=0.0
-)
+CLEARANCE = ParameterSpec("clearance", "m", "gap that closes before the joint pushes", lower=0.0, default=0.0, null=0.0)
 TENSION = ParameterSpec(
-    "tension", "1", "1 where the joint also pulls, 0 where it only pushes", lower=0.0, upper=1.0, default=0.0, free=False, null=0.0
+    "tension",
+    "1",
+    "1 where the joint also pulls, 0 where it only pushes",
+    lower=0.0,
+    upper=1.0,
+    default=0.0,
+    free=False,
+    null=0.0,
+)
+ENGAGEMENT = ParameterSpec(
+    "engagement",
+    "m",
+    "deformation over which the force sets in, so that it is continuous",
+    lower=1e-6,
+    default=1e-3,
+    free=False,
 )

@@ -1,0 +1,126 @@
+"""Sensor or structure: instruments that watch the same body are compared by kinematics alone, without any model of forces."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+import xarray as xr
+from attrs import frozen
+from scipy.linalg import solve_triangular
+
+from crashkit.misfit import Group
+
+SIGNIFICANT = 5.0
+"""Sigma from which a check is reported as inconsistent."""
+
+
+@frozen
+class Comparison:
+    """One body of one run seen by position and by acceleration: y = position - double integral of the acceleration."""
+
+    body: str
+    film: str
+    accelerometer: str
+    times: np.ndarray
+    difference: np.ndarray
+    integral: np.ndarray
+    slope: np.ndarray
+    covariance: np.ndarray
+
+
+def check_instruments(groups: Mapping[str, list[Group]]) -> xr.Dataset:
+    """How far the accelerometers of each body agree with its film, as an error of sensitivity, offset or clock.
+
+    y(t) = x(t) - ∫∫ a dt² is a straight line for perfect instruments. A sensitivity 1 + g adds -g ∫∫a, an offset b adds
+    -b t²/2, a clock late by τ adds τ ∫a; each is estimated alone, by generalised least squares with the integrated noise.
+
+    Arguments:
+        groups: the instruments of each run.
+
+    Returns:
+        Dataset over `check`: `sentence`, `place`, `error`, `estimate`, `std`, `sigma`.
+    """
+    comparisons = [one for instruments in groups.values() for one in _comparisons(instruments)]
+    keys = dict.fromkeys((c.body, c.film, c.accelerometer) for c in comparisons)
+    rows = [row for key in keys for row in _rows([c for c in comparisons if (c.body, c.film, c.accelerometer) == key])]
+    names = ("sentence", "place", "error", "estimate", "std", "sigma")
+    columns = zip(*rows, strict=True) if rows else ((),) * len(names)
+    return xr.Dataset({name: ("check", np.array(column)) for name, column in zip(names, columns, strict=True)})
+
+
+def _comparisons(instruments: list[Group]) -> Iterator[Comparison]:
+    films = [g for g in instruments if "position" in g.dataset and g.observer.quantity == "position"]
+    sensors = [g for g in instruments if g.observer.quantity == "acceleration"]
+    for film in films:
+        for sensor in sensors:
+            seen = film.observer.reconstruct(film.dataset)
+            felt = sensor.observer.reconstruct(sensor.dataset)
+            for body in sorted(set(seen["body"].values) & set(felt["body"].values)):
+                yield from _compare(film, sensor, str(body), seen, felt)
+
+
+def _compare(film: Group, sensor: Group, body: str, seen: xr.Dataset, felt: xr.Dataset) -> Iterator[Comparison]:
+    acceleration = felt["acceleration"].sel(body=body).isel(axis=0).values
+    position = seen["position"].sel(body=body).isel(axis=0).values
+    inside = np.isfinite(position) & (film.times >= sensor.times[0]) & (film.times <= sensor.times[-1])
+    if inside.sum() < 8 or not np.isfinite(acceleration).all():
+        return
+    velocity = _integral(sensor.times, acceleration)
+    displacement = _integral(sensor.times, velocity)
+    times = film.times[inside]
+    integral, slope = np.interp(times, sensor.times, displacement), np.interp(times, sensor.times, velocity)
+    covariance = _covariance(times - sensor.times[0], _variance(film, body, "marker"), _density(sensor, body))
+    yield Comparison(body, film.name, sensor.name, times, position[inside] - integral, integral, slope, covariance)
+
+
+def _rows(comparisons: list[Comparison]) -> list[tuple[str, str, str, float, float, float]]:
+    first = comparisons[0]
+    units = {"gain": "", "bias": " m/s²", "clock_offset": " s"}
+    rows = []
+    for error, unit in units.items():
+        estimate, std = _estimate(comparisons, error)
+        sigma = abs(estimate) / std
+        verdict = "inconsistent" if sigma > SIGNIFICANT else "consistent"
+        sentence = (
+            f"{first.accelerometer} against {first.film} on {first.body}: {verdict} "
+            f"(as an error of {error.replace('_', ' ')} {estimate:+.3g} ± {std:.2g}{unit})"
+        )
+        rows.append((sentence, f"body {first.body}", error, estimate, std, sigma))
+    return rows
+
+
+def _estimate(comparisons: list[Comparison], error: str) -> tuple[float, float]:
+    """One error, common to all runs, with a straight line of its own for each run."""
+    information = gradient = 0.0
+    for one in comparisons:
+        column = {"gain": -one.integral, "bias": -0.5 * (one.times - one.times[0]) ** 2, "clock_offset": one.slope}[error]
+        root = np.linalg.cholesky(one.covariance)
+        line = np.stack([np.ones_like(one.times), one.times], axis=1)
+        white = solve_triangular(root, np.column_stack([line, column, one.difference]), lower=True)
+        basis, _ = np.linalg.qr(white[:, :2])
+        free = white[:, 2:] - basis @ (basis.T @ white[:, 2:])
+        information += float(free[:, 0] @ free[:, 0])
+        gradient += float(free[:, 0] @ free[:, 1])
+    information = max(information, 1e-300)
+    return gradient / information, float(np.sqrt(1.0 / information))
+
+
+def _covariance(times: np.ndarray, variance: float, density: float) -> np.ndarray:
+    """Of film noise and doubly integrated white noise: density m² (3 M - m) / 6, m and M the earlier and later time."""
+    earlier, later = np.minimum.outer(times, times), np.maximum.outer(times, times)
+    return variance * np.eye(len(times)) + density * earlier**2 * (3.0 * later - earlier) / 6.0
+
+
+def _variance(group: Group, body: str, channel: str) -> float:
+    carriers = group.dataset[f"{channel}_body"].values
+    stds = [c.noise.std for c in group.channels if carriers[list(group.dataset[channel].values).index(c.sensor)] == body]
+    return float(np.sum(np.square(stds))) / len(stds) ** 2
+
+
+def _density(sensor: Group, body: str) -> float:
+    """Spectral density of the mean of a body's accelerometers at low frequencies."""
+    correlation = sensor.channels[0].noise.correlation
+    return _variance(sensor, body, "sensor") * correlation * float(np.median(np.diff(sensor.times)))
+
+
+def _integral(times: np.ndarray, values: np.ndarray) -> np.ndarray:
+    return np.concatenate([[0.0], np.cumsum(0.5 * np.diff(times) * (values[1:] + values[:-1]))])

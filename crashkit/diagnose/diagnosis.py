@@ -1,0 +1,144 @@
+"""The diagnosis: re-identify, compare, locate, name, model, show."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+
+from crashkit.diagnose.consistency import check_instruments
+from crashkit.diagnose.finding import estimates, experiment, make_finding, with_experiment
+from crashkit.diagnose.fits import curves_of, fit_of, predict
+from crashkit.diagnose.name import Progress, Rival
+from crashkit.diagnose.reidentify import reidentify
+from crashkit.diagnose.result import Alternative, Diagnosis, Finding, Fit, place_of
+from crashkit.diagnose.rounds import Discovery, Round, discover, run_drops
+from crashkit.diagnose.show import action_of, identified_table, missing_force_tree, ranking_table, units_of
+from crashkit.diagnose.words import noted, summarise
+from crashkit.diagnose.workshop import Workshop
+from crashkit.misfit import Group, Misfit
+from crashkit.model import Model
+
+UNEXPLAINED = 1.15
+"""Normalised residual above which a model that explains nothing more is not called consistent."""
+WORTH_TELLING = 1e-4
+
+
+def diagnose(
+    model: Model,
+    recordings: Mapping[str, xr.DataTree],
+    holdout: Mapping[str, xr.DataTree],
+    workshop: Workshop,
+    progress: Progress = lambda doing, share: None,
+) -> Diagnosis:
+    """Whether simulation and recordings differ, where, what physics was left out, and what modelling it gains.
+
+    Arguments:
+        model: as the user believes it.
+        recordings: the runs to fit, by name.
+        holdout: runs that are only predicted, never fitted.
+        workshop: the plugins to work with.
+        progress: told what is being done and how far it is.
+    """
+    progress("re-identifying the model", 0.0)
+    equipped = workshop.equipped([model])
+    base = reidentify(equipped.identifier, equipped.first_misfit(model, recordings))
+    discovery = discover(equipped, base, progress)
+    progress("showing", 0.0)
+    return _told(workshop, discovery, holdout)
+
+
+def _told(workshop: Workshop, discovery: Discovery, holdout: Mapping[str, xr.DataTree]) -> Diagnosis:
+    base, final = discovery.base, discovery.final
+    equipped = workshop.equipped([base.model, final.model])
+    unseen = tuple(_weighed_alike(equipped.first_misfit(m.model, holdout), base) for m in (base, final)) if holdout else ()
+    fits, curves = _compared(base, final, unseen)
+    findings, missing = _findings(equipped, discovery, unseen)
+    verdict = _verdict(findings, fits["calibration"]["after"], final)
+    consistency = check_instruments(_by_run(base))
+    identified = identified_table(discovery, units_of(final.model, workshop))
+    return Diagnosis(
+        verdict=verdict,
+        summary=summarise(verdict, findings, fits, consistency),
+        findings=findings,
+        base_model=base.model,
+        augmented_model=final.model,
+        fits=fits,
+        curves=curves,
+        missing_force=missing,
+        ranking=ranking_table(discovery),
+        consistency=consistency,
+        identified=identified,
+        notes=noted(discovery, workshop),
+    )
+
+
+def _compared(
+    base: Misfit, final: Misfit, unseen: tuple[Misfit, ...]
+) -> tuple[dict[str, dict[str, Fit]], xr.DataTree]:
+    sets = {"calibration": (base, final)} | ({"holdout": unseen} if unseen else {})
+    fits: dict[str, dict[str, Fit]] = {"calibration": {}, "holdout": {}}
+    curves: dict[str, xr.Dataset] = {}
+    for name, pair in sets.items():
+        predictions = tuple(predict(misfit) for misfit in pair)
+        fits[name] = {when: fit_of(m, p) for when, m, p in zip(("before", "after"), pair, predictions, strict=True)}
+        curves |= curves_of(pair[0], pair[1], predictions, holdout=name == "holdout")
+    return fits, xr.DataTree.from_dict(curves)
+
+
+def _findings(workshop: Workshop, discovery: Discovery, unseen: tuple[Misfit, ...]) -> tuple[tuple[Finding, ...], xr.DataTree]:
+    identified = discovery.search.result()
+    units = units_of(discovery.final.model, workshop)
+    told, trees = [], {}
+    for number, look in enumerate(discovery.rounds):
+        rival = look.rivals[0]
+        action = action_of(workshop, discovery.final, look.before, rival, unseen)
+        kind = workshop.hypotheses[rival.proposal.physics]
+        finding = make_finding(
+            rival,
+            kind,
+            estimates(rival, identified, units),
+            look.probabilities[0],
+            _alternatives(look),
+            {run: one for run, one in action.items() if not one.attrs["holdout"]},
+            run_drops(look.before, rival.search.fitted()),
+        )
+        told.append(_with_experiment(finding, look))
+        trees |= {f"{number}/{run}": one for run, one in action.items()}
+    return tuple(told), missing_force_tree(trees)
+
+
+def _alternatives(look: Round) -> list[Alternative]:
+    """The other claims, as far as they are worth telling."""
+    others = zip(look.rivals[1:], look.probabilities[1:], strict=True)
+    return [
+        Alternative(r.proposal.physics, r.proposal.form, dict(r.proposal.location), p) for r, p in others if p > WORTH_TELLING
+    ]
+
+
+def _with_experiment(finding: Finding, look: Round) -> Finding:
+    """The finding with the test that would tell it from its strongest rival, if that is worth telling."""
+    if len(look.rivals) < 2 or look.probabilities[1] < WORTH_TELLING:
+        return finding
+    first, second = look.rivals[:2]
+    name = f"{second.proposal.physics} at {place_of(second.proposal.location)}"
+    return with_experiment(finding, experiment(first.search.fitted(), second.search.fitted(), name))
+
+
+def _verdict(findings: tuple[Finding, ...], after: Fit, final: Misfit) -> str:
+    named = [f for f in findings if f.physics != "unknown"]
+    if any("joint" in f.location or "body" in f.location or "bodies" in f.location for f in named):
+        return "missing_physics"
+    if findings:
+        return "unexplained" if len(named) < len(findings) else "sensor_fault"
+    trusted = all(channel.noise.trusted for channel in final.channels)
+    return "unexplained" if trusted and after.normalised_rmse > UNEXPLAINED else "consistent"
+
+
+def _by_run(misfit: Misfit) -> dict[str, list[Group]]:
+    return {run: [group for group in misfit.groups if group.run == run] for run in misfit.recordings}
+
+
+def _weighed_alike(unseen: Misfit, base: Misfit) -> Misfit:
+    """Open noise levels of held-out channels are those that the calibration left."""
+    levels = {(c.instrument, c.sensor, c.axis): c.noise for c in base.channels if not c.noise.trusted}
+    return unseen.with_noise(levels)

@@ -1,0 +1,112 @@
+"""From the rival that won to a finding: when it acts, in which runs, how sure, and what would separate its rivals."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+from attrs import evolve
+
+from crashkit.diagnose.name import Rival
+from crashkit.diagnose.result import Alternative, Estimate, Finding, place_of
+from crashkit.misfit import Misfit
+from crashkit.protocols import Hypothesis, Identification
+
+ACTIVE = 0.1
+"""Share of its largest force from which an effect counts as acting."""
+RUN_DROP = 9.0
+"""Drop in chi squared that a run must show by itself to be named."""
+RIVAL = 0.01
+"""Probability from which a rival is worth an experiment."""
+FASTER = 1.2
+SEPARATED = 3.0
+
+
+def estimates(rival: Rival, identified: Identification, units: Mapping[str, str]) -> dict[str, Estimate]:
+    """The new parameters by their own names, as identified in the final model."""
+    table = identified.parameters
+    known = set(table["parameter"].values)
+    rows = {path: table.sel(parameter=path) for path in rival.proposal.parameters if path in known}
+    return {_short(path): Estimate(float(r["value"]), float(r["std"]), units.get(path, "")) for path, r in rows.items()}
+
+
+def make_finding(
+    rival: Rival,
+    kind: type[Hypothesis],
+    parameters: Mapping[str, Estimate],
+    probability: float,
+    alternatives: Sequence[Alternative],
+    action: Mapping[str, xr.Dataset],
+    run_drops: Mapping[str, float],
+) -> Finding:
+    """The finding in full.
+
+    Arguments:
+        action: what the finding adds, by run: `modelled_force` and `deformation_rate` over time; empty for sensors.
+        run_drops: drop in chi squared of each run when the finding is let in.
+    """
+    place = place_of(rival.proposal.location)
+    start, end, phase = _activity(action)
+    named = tuple(run for run, drop in run_drops.items() if drop > RUN_DROP) or tuple(run_drops)
+    return Finding(
+        physics=rival.proposal.physics,
+        form=rival.proposal.form,
+        sentence=kind.sentence.format(place=place),
+        probability=probability,
+        location=_told(rival.proposal.location),
+        runs=named,
+        time=(start, end),
+        phase=phase,
+        parameters=parameters,
+        alternatives=tuple(alternatives),
+    )
+
+
+def experiment(best: Misfit, rival: Misfit, name: str) -> str:
+    """Which faster test would tell two fitted models apart, and by how many sigma."""
+    fastest = max(best.recordings, key=lambda run: _speed(best.recordings[run]))
+    speed = _speed(best.recordings[fastest])
+    if speed == 0.0:
+        return ""
+    first, second = (misfit.with_recordings((fastest,)).at_speed(FASTER) for misfit in (best, rival))
+    difference = first.residual(first.start()) - second.residual(second.start())
+    sigma = float(np.sqrt(difference @ difference))
+    verdict = "would separate" if sigma > SEPARATED else "would hardly separate"
+    return f"the same test at {FASTER * speed:.1f} m/s {verdict} this from {name}: {sigma:.0f} sigma"
+
+
+def with_experiment(finding: Finding, sentence: str) -> Finding:
+    """The finding with the test that would separate its rivals."""
+    return evolve(finding, experiment=sentence)
+
+
+def _told(location: Mapping[str, object]) -> dict[str, object]:
+    return {key: list(value) if isinstance(value, tuple) else value for key, value in location.items()}
+
+
+def _short(path: str) -> str:
+    """`joint.front.crush_force` gives `crush_force`."""
+    return path.rsplit(".", 1)[-1]
+
+
+def _activity(action: Mapping[str, xr.Dataset]) -> tuple[float, float, str]:
+    """From when to when it pushes noticeably, and whether mostly while the joint is loaded or unloaded."""
+    if not action:
+        return 0.0, float("nan"), "both"
+    largest = max(float(np.nanmax(np.abs(one["modelled_force"]))) for one in action.values())
+    starts, ends, loading, total = [], [], 0.0, 0.0
+    for one in action.values():
+        force = np.abs(one["modelled_force"].values)
+        acting = force > ACTIVE * largest
+        if acting.any():
+            starts.append(float(one["time"].values[acting][0]))
+            ends.append(float(one["time"].values[acting][-1]))
+        loading += float(np.nansum(force[one["deformation_rate"].values > 0]))
+        total += float(np.nansum(force))
+    share = loading / total if total else 0.5
+    phase = "loading" if share > 0.8 else "unloading" if share < 0.2 else "both"
+    return min(starts, default=0.0), max(ends, default=float("nan")), phase
+
+
+def _speed(recording: xr.DataTree) -> float:
+    initial = recording.children.get("initial")
+    return float(np.abs(initial["velocity"].values).max()) if initial is not None else 0.0

@@ -1,0 +1,90 @@
+"""How well a model predicts: fits by channel, and the curves behind them."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+
+from crashkit.diagnose.result import Fit
+from crashkit.misfit import Group, Misfit
+from crashkit.misfit.predictor import Prediction
+from crashkit.misfit.rating import rating
+
+
+def predict(misfit: Misfit) -> list[Prediction]:
+    """The predictions of the misfit's model at its own values, one for each group."""
+    return misfit.predictor.predict({name: p.value for name, p in misfit.model.free_parameters().items()})
+
+
+def fit_of(misfit: Misfit, predictions: Sequence[Prediction]) -> Fit:
+    """Size of the residuals against the noise, and ISO/TS 18571 rating, overall and by channel."""
+    rows = [
+        row
+        for group, prediction in zip(misfit.groups, predictions, strict=True)
+        for row in _channels(group, prediction.samples)
+    ]
+    names = [channel.name for channel in misfit.channels]
+    squares, relative, ratings, counts = (np.array(column, dtype=float) for column in zip(*rows, strict=True))
+    table = xr.Dataset(
+        {
+            "normalised_rmse": ("channel", np.sqrt(squares / np.maximum(counts, 1e-9))),
+            "relative_rmse": ("channel", relative),
+            "rating": ("channel", ratings),
+            "independent_samples": ("channel", counts),
+        },
+        coords={"channel": names},
+    )
+    return Fit(float(np.sqrt(squares.sum() / max(counts.sum(), 1e-9))), table)
+
+
+def curves_of(
+    before: Misfit, after: Misfit, predictions: tuple[list[Prediction], list[Prediction]], holdout: bool
+) -> dict[str, xr.Dataset]:
+    """Recorded, before and after by `run/instrument`, over (time, channel)."""
+    return {
+        f"{group.run}/{group.name}": _curve(group, first.samples, second.samples, holdout)
+        for group, first, second in zip(before.groups, *predictions, strict=True)
+    }
+
+
+def _curve(group: Group, before: np.ndarray, after: np.ndarray, holdout: bool) -> xr.Dataset:
+    units = str(group.dataset[group.observer.quantity].attrs.get("units", ""))
+    curves = {"recorded": group.recorded, "before": before, "after": after}
+    variables: dict[str, object] = {name: (("time", "channel"), values) for name, values in curves.items()}
+    variables["std"] = ("channel", np.array([channel.noise.std for channel in group.channels]))
+    return xr.Dataset(
+        variables,
+        coords={"time": group.times, "channel": [channel.sensor for channel in group.channels]},
+        attrs={"holdout": int(holdout), "quantity": group.observer.quantity, "units": units},
+    )
+
+
+def _channels(group: Group, predicted: np.ndarray) -> list[tuple[float, float, float, float]]:
+    rows = []
+    for column, channel in enumerate(group.channels):
+        recorded = group.recorded[:, column]
+        both = np.isfinite(recorded) & np.isfinite(predicted[:, column])
+        residual = (recorded - predicted[:, column])[both]
+        moving = recorded[both] - (recorded[both][0] if group.observer.quantity == "position" else 0.0)
+        size = float(np.sqrt(np.mean(moving**2))) if both.any() else np.nan
+        relative = float(np.sqrt(np.mean(residual**2)) / size) if both.any() and size > 0 else np.nan
+        squares = float(np.sum((residual * channel.noise.weight) ** 2))
+        rows.append(
+            (squares, relative, _rating(group.times, recorded, predicted[:, column]), both.sum() / channel.noise.correlation)
+        )
+    return rows
+
+
+def _rating(times: np.ndarray, recorded: np.ndarray, predicted: np.ndarray) -> float:
+    """Over the time that both cover, on even steps."""
+    both = np.isfinite(recorded) & np.isfinite(predicted)
+    if both.sum() < 10:
+        return np.nan
+    even = np.linspace(times[both][0], times[both][-1], int(both.sum()))
+    reference, simulated = (np.interp(even, times[both], values[both]) for values in (recorded, predicted))
+    return rating(reference, simulated, float(even[1] - even[0])).total
+
+
+def summed(fits: Mapping[str, Fit]) -> str:
+    """`before -> after` in words."""
+    return f"{fits['before'].normalised_rmse:.2f} -> {fits['after'].normalised_rmse:.2f}"

@@ -1,0 +1,102 @@
+"""The missing force: what the recordings say that the model's joints do not."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+
+from crashkit.mechanics import forces_along
+from crashkit.misfit import Misfit
+from crashkit.model import Model
+from crashkit.protocols import Smoother, SpringLaw
+
+BIN = 1e-3
+"""s; forces are averaged over this long, which is short against a crash and long against the noise."""
+
+
+def recorded_motion(misfit: Misfit, run: str, simulated: xr.Dataset, smoother: Smoother) -> xr.Dataset:
+    """The motion that the instruments of a run saw, at the simulation's instants; unseen bodies move as simulated.
+
+    Position and velocity come from accelerometers by integration from the initial state where there are any, else from
+    film through the smoother; acceleration likewise. The variable `observed` (body) says which bodies an instrument saw.
+    """
+    motion = simulated[["position", "velocity", "acceleration"]].copy(deep=True)
+    observed = xr.zeros_like(motion["body"], dtype=bool)
+    for group in [g for g in misfit.groups if g.run == run and g.observer.quantity in ("position", "acceleration")]:
+        seen = group.observer.reconstruct(group.dataset)
+        for body in seen["body"].values:
+            if group.observer.quantity == "acceleration":
+                _from_acceleration(motion, seen["acceleration"].sel(body=body), str(body))
+            elif not observed.sel(body=body):
+                _from_position(motion, seen["position"].sel(body=body), str(body), smoother)
+            observed.loc[{"body": body}] = True
+    return motion.assign(observed=observed)
+
+
+def missing_force(model: Model, laws: Mapping[str, type[SpringLaw]], motion: xr.Dataset) -> xr.Dataset:
+    """What each body's motion asks of forces beyond those of the model's joints: m a - Σ F(d, ddot).
+
+    Returns:
+        Dataset with `missing_force` (time, body), N, in the direction of the axis; NaN for bodies that are not observed.
+    """
+    joints = forces_along(model, laws, motion)
+    mass = np.array([np.nan if b.mass is None else b.mass.value for b in model.bodies])
+    inertia = mass * motion["acceleration"].sel(body=[b.name for b in model.bodies]).isel(axis=0).values
+    missing = inertia - joints["contact_force"].isel(axis=0).values
+    missing = np.where(motion["observed"].sel(body=[b.name for b in model.bodies]).values, missing, np.nan)
+    return xr.Dataset(
+        {"missing_force": (("time", "body"), missing, {"units": "N"})},
+        coords={"time": motion["time"], "body": [b.name for b in model.bodies]},
+    )
+
+
+def on_joint(missing: xr.Dataset, model: Model, bodies: tuple[str, str]) -> np.ndarray:
+    """The force, compression positive, that a joint between two bodies would have to add; (time,), N.
+
+    Each moving and observed end gives an estimate; their mean is taken.
+    """
+    first, second = (model.body(name) for name in bodies)
+    direction = 1.0 if second.position[0] >= first.position[0] else -1.0
+    ends = [-direction * missing["missing_force"].sel(body=first.name).values] if not first.fixed else []
+    ends += [direction * missing["missing_force"].sel(body=second.name).values] if not second.fixed else []
+    stack = np.array(ends)
+    seen = np.isfinite(stack)
+    return np.where(seen.any(axis=0), np.where(seen, stack, 0.0).sum(axis=0) / np.maximum(seen.sum(axis=0), 1), np.nan)
+
+
+def binned(times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Means over bins, with the standard deviation of each mean: (bin,) times, means and deviations."""
+    index = np.floor((times - times[0]) / BIN + 1e-9).astype(int)
+    count = np.bincount(index)
+    keep = count > 0
+
+    def mean(of: np.ndarray) -> np.ndarray:
+        return np.bincount(index, of)[keep] / count[keep]
+
+    centre = mean(values)
+    spread = np.sqrt(np.maximum(mean(values**2) - centre**2, 0.0) / np.maximum(count[keep] - 1, 1))
+    return mean(times), centre, spread
+
+
+def _from_acceleration(motion: xr.Dataset, acceleration: xr.DataArray, body: str) -> None:
+    known = acceleration.isel(axis=0).dropna("time")
+    values = np.interp(motion["time"].values, known["time"].values, known.values)
+    step = np.diff(motion["time"].values)
+    start = motion.sel(body=body).isel(time=0, axis=0)
+    velocity = float(start["velocity"]) + np.concatenate([[0.0], np.cumsum(0.5 * step * (values[1:] + values[:-1]))])
+    position = float(start["position"]) + np.concatenate([[0.0], np.cumsum(0.5 * step * (velocity[1:] + velocity[:-1]))])
+    _store(motion, body, position, velocity, values)
+
+
+def _from_position(motion: xr.Dataset, position: xr.DataArray, body: str, smoother: Smoother) -> None:
+    smooth = smoother.smooth(position.isel(axis=0, drop=True))
+    names = ("value", "first_derivative", "second_derivative")
+    times = motion["time"].values
+    _store(motion, body, *(np.interp(times, smooth["time"].values, smooth[name].values) for name in names))
+
+
+def _store(motion: xr.Dataset, body: str, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> None:
+    at = {"body": body, "axis": motion["axis"].values[0]}
+    motion["position"].loc[at] = position
+    motion["velocity"].loc[at] = velocity
+    motion["acceleration"].loc[at] = acceleration

@@ -1,0 +1,69 @@
+"""The answer in about ten lines that a person can read, and the notes on what cannot be trusted."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+
+from crashkit.diagnose.result import Estimate, Finding, Fit, place_of
+from crashkit.diagnose.rounds import Discovery
+from crashkit.diagnose.workshop import Workshop
+
+VERDICTS = {
+    "consistent": "Simulation and recordings agree: nothing is missing that these recordings could show.",
+    "missing_physics": "Simulation and recordings differ: the model leaves out physics.",
+    "sensor_fault": "Simulation and recordings differ: an instrument is wrong, not the structure.",
+    "unexplained": "Simulation and recordings differ, and none of the known physics explains it.",
+}
+
+
+def summarise(
+    verdict: str, findings: Sequence[Finding], fits: Mapping[str, Mapping[str, Fit]], consistency: xr.Dataset
+) -> str:
+    """The verdict, each finding with its numbers, and the fits."""
+    lines = [VERDICTS[verdict]]
+    for finding in findings:
+        lines += _lines_of(finding)
+    lines.append("Residual over noise (1 is the noise floor), re-identified model -> with what was found:")
+    for name, label in (("calibration", "fitted runs"), ("holdout", "held-out runs")):
+        if fits[name]:
+            lines.append(f"  {label}: {fits[name]['before'].normalised_rmse:.3f} -> {fits[name]['after'].normalised_rmse:.3f}")
+    if consistency.sizes.get("check", 0):
+        worst = int(np.argmax(consistency["sigma"].values))
+        lines.append(f"Instruments by kinematics alone: {consistency['sentence'].values[worst]}")
+    return "\n".join(lines)
+
+
+def noted(discovery: Discovery, workshop: Workshop) -> tuple[str, ...]:
+    """What cannot be trusted."""
+    result = discovery.search.result()
+    notes = [f"identification {result.status.value}"] if result.status.name != "CONVERGED" else []
+    notes += list(result.unseen)
+    open_levels = sorted({f"{c.instrument}/{c.sensor}" for c in discovery.final.channels if not c.noise.trusted})
+    if open_levels:
+        samples = discovery.final.independent_samples
+        notes.append(
+            f"the noise of {', '.join(open_levels)} is not given and the channels are filtered: residuals are weighed by their own "
+            f"size, and all channels together count as about {samples:.0f} independent samples"
+        )
+    return tuple(notes)
+
+
+def number(estimate: Estimate) -> str:
+    """A value with its deviation and unit, to the digits that mean something."""
+    unit = "" if estimate.units == "1" else f" {estimate.units}"
+    return f"{estimate.value:.4g} ± {estimate.std:.2g}{unit}"
+
+
+def _lines_of(finding: Finding) -> list[str]:
+    lines = [f"- {finding.physics} ({finding.form}) at {place_of(finding.location)}, probability {finding.probability:.3f}:"]
+    lines.append(f"  {finding.sentence}; " + ", ".join(f"{name} {number(e)}" for name, e in _main(finding)))
+    if finding.alternatives and finding.alternatives[0].probability > 0.01:
+        rival = finding.alternatives[0]
+        lines.append(f"  or {rival.physics} at {place_of(rival.location)} ({rival.probability:.3f}); {finding.experiment}")
+    return lines
+
+
+def _main(finding: Finding) -> list[tuple[str, Estimate]]:
+    """The first few parameters: an estimated table has many."""
+    return list(finding.parameters.items())[:4]

@@ -1,0 +1,97 @@
+"""The TOML text of a model, laid out as a person would write it."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import tomli_w
+
+from crashkit.model.body import Body
+from crashkit.model.checks import specs_of
+from crashkit.model.instrument import InstrumentErrors
+from crashkit.model.joint import Joint
+from crashkit.model.model import Model
+from crashkit.model.parameter import Parameter
+from crashkit.model.values import UNDECLARED, default_parameter, write_parameter
+from crashkit.protocols import ParameterSpec, SpringLaw
+
+SCHEMA = "crashkit-model/1"
+
+
+def model_to_toml(model: Model, laws: Mapping[str, type[SpringLaw]]) -> str:
+    """A model as TOML: plain numbers where they say it all, tables where bounds or freedom differ from what the law declares.
+
+    Arguments:
+        model: to be written.
+        laws: the installed laws and factors by name, which declare the parameters.
+    """
+    sections = [
+        _lines({"schema": SCHEMA, "name": model.name, "axes": model.axes}),
+        *(f"[[body]]\n{_lines(_body(body))}" for body in model.bodies),
+        *(_joint(joint, laws) for joint in model.joints),
+        *(_instrument(errors) for errors in model.instruments),
+    ]
+    return "\n".join(sections)
+
+
+def _body(body: Body) -> dict[str, Any]:
+    return {
+        "name": body.name,
+        **({"fixed": True} if body.fixed else {}),
+        **({"mass": write_parameter(body.mass, UNDECLARED)} if body.mass is not None else {}),
+        "position": body.position,
+        **({"velocity": body.velocity} if any(body.velocity) or not body.fixed else {}),
+    }
+
+
+def _joint(joint: Joint, laws: Mapping[str, type[SpringLaw]]) -> str:
+    head = {
+        "name": joint.name,
+        "bodies": joint.bodies,
+        **({"points": joint.points} if joint.points is not None else {}),
+        **({"free_length": write_parameter(joint.free_length, UNDECLARED)} if joint.free_length is not None else {}),
+        "law": joint.law,
+        **({"factors": joint.factors} if joint.factors else {}),
+    }
+    specs = specs_of(joint.law, joint.factors, laws)
+    parameters = "".join(_parameter(name, value, specs.get(name, UNDECLARED)) for name, value in joint.parameters.items())
+    return f"[[joint]]\n{_lines(head)}[joint.parameters]\n{parameters}"
+
+
+def _parameter(name: str, value: Parameter | tuple[Parameter, ...], spec: ParameterSpec) -> str:
+    raw = _raw(value, spec)
+    if isinstance(raw, dict) and value == default_parameter(spec):
+        return ""
+    unit = f"  # {spec.unit}" if spec.unit not in ("", "1") else ""
+    return f"{_line(name, raw)}{unit}\n"
+
+
+def _raw(value: Parameter | tuple[Parameter, ...], spec: ParameterSpec) -> Any:
+    if isinstance(value, Parameter):
+        return write_parameter(value, spec)
+    return [write_parameter(entry, spec) for entry in value]
+
+
+def _instrument(errors: InstrumentErrors) -> str:
+    head = {"group": errors.instrument, **({"sensor": errors.sensor} if errors.sensor else {})}
+    parameters = {name: write_parameter(parameter, UNDECLARED) for name, parameter in errors.parameters.items()}
+    return f"[[instrument]]\n{_lines(head)}[instrument.parameters]\n{_lines(parameters)}"
+
+
+def _lines(table: Mapping[str, Any]) -> str:
+    return "".join(f"{_line(key, value)}\n" for key, value in table.items())
+
+
+def _line(key: str, value: Any) -> str:
+    """`key = value`; tomli_w spreads lists and tables over many lines, so those are written here."""
+    if isinstance(value, list | tuple | dict):
+        name = tomli_w.dumps({key: 0}).removesuffix(" = 0\n")
+        return f"{name} = {_inline(value)}"
+    return tomli_w.dumps({key: value}).rstrip("\n")
+
+
+def _inline(value: Any) -> str:
+    if isinstance(value, dict):
+        return "{ " + ", ".join(_line(key, entry) for key, entry in value.items()) + " }"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(_inline(entry) for entry in value)}]"
+    return _line("x", value).removeprefix("x = ")

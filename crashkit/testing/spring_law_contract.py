@@ -1,0 +1,167 @@
+"""The contract of spring laws: what a law declares, checked on its own function."""
+
+import inspect
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+
+import numpy as np
+import pytest
+
+from crashkit.protocols import ParameterSpec, SpringLaw
+
+Values = Mapping[str, float | Sequence[float]]
+Force = Callable[[float, float, float], float]
+Point = tuple[float, float, float]
+
+STATE = ("d", "ddot", "d_max")
+UNIT = re.compile(r"1|[A-Za-z]+(-?\d+)?( [A-Za-z]+(-?\d+)?)*")
+
+
+class SpringLawContract:
+    """Tests of a law or factor; subclass it and give the fixtures `law` and `parameters`.
+
+    Attributes:
+        largest_deformation: m, how far the tests deform the joint.
+        largest_rate: m s-1, how fast.
+        preload: whether the law pushes before it is deformed.
+    """
+
+    largest_deformation = 1.0
+    largest_rate = 20.0
+    preload = False
+
+    @pytest.fixture
+    def law(self) -> type[SpringLaw]:
+        """The class under test."""
+        pytest.fail("a spring law's contract needs a fixture `law` that returns the class")
+
+    @pytest.fixture
+    def parameters(self) -> Values:
+        """Values by name, for the tests to use; what is left out takes its default."""
+        return {}
+
+    @pytest.fixture
+    def force(self, law: type[SpringLaw], parameters: Values) -> Force:
+        """The law at these parameters, a function of d, ddot, d_max."""
+        values = [_value(spec, parameters) for spec in law.parameters]
+        return lambda d, ddot, d_max: float(law.force(d, ddot, d_max, *values))
+
+    def test_the_function_takes_the_state_and_the_declared_parameters(self, law: type[SpringLaw]) -> None:
+        found = tuple(inspect.signature(law.force).parameters)
+        expected = (*STATE, *(spec.name for spec in law.parameters))
+        assert found == expected, f"the arguments of force: expected {', '.join(expected)}, found {', '.join(found)}"
+
+    def test_names_and_units_are_those_of_the_data_contract(self, law: type[SpringLaw]) -> None:
+        assert law.unit in ("N", "1"), f'the unit of {law.name}: expected "N" (a law) or "1" (a factor), found "{law.unit}"'
+        for spec in law.parameters:
+            assert spec.name.isidentifier(), f"the name of a parameter: expected an identifier, found {spec.name!r}"
+            assert UNIT.fullmatch(spec.unit), (
+                f'the unit of {spec.name}: expected a CF unit such as "N m-1", found "{spec.unit}"'
+            )
+            assert spec.meaning, f"the meaning of {spec.name}: expected a phrase, found none"
+
+    def test_defaults_lie_within_bounds_or_take_the_physics_away(self, law: type[SpringLaw]) -> None:
+        for spec in law.parameters:
+            assert spec.lower < spec.upper, (
+                f"the bounds of {spec.name}: expected lower < upper, found {spec.lower}, {spec.upper}"
+            )
+            if spec.default is not None and spec.default != spec.null:
+                inside = spec.lower <= spec.default <= spec.upper
+                assert inside, f"the default of {spec.name}: expected within its bounds or its null, found {spec.default}"
+
+    def test_the_tested_values_lie_within_bounds(self, law: type[SpringLaw], parameters: Values) -> None:
+        specs = {spec.name: spec for spec in law.parameters}
+        for name, value in parameters.items():
+            assert name in specs, f"the fixture parameters: {law.name} declares no {name}"
+            spec = specs[name]
+            inside = all(spec.lower <= entry <= spec.upper or entry == spec.null for entry in np.atleast_1d(value))
+            assert inside, f"the value of {name}: expected within {spec.lower} to {spec.upper}, found {value}"
+
+    def test_the_value_is_finite(self, law: type[SpringLaw], force: Force) -> None:
+        for point in self._points():
+            assert np.isfinite(force(*point)), f"{law.name} at {_where(point)}: expected a finite value, found {force(*point)}"
+
+    def test_the_value_is_continuous(self, law: type[SpringLaw], force: Force) -> None:
+        points = list(self._points())
+        scale = max(abs(force(*point)) for point in points)
+        for start, end in zip(points, points[1:], strict=False):
+            jump, where = _largest_jump(force, start, end)
+            assert jump <= 1e-6 * scale, f"{law.name} jumps by {jump:g} at {_where(where)}: expected a continuous value"
+
+    def test_no_deformation_no_force(self, law: type[SpringLaw], force: Force) -> None:
+        if law.unit == "N" and not self.preload:
+            found = force(0.0, 0.0, 0.0)
+            assert found == 0.0, f"{law.name} undeformed and at rest: expected no force (or preload = True), found {found:g} N"
+
+    def test_a_passive_law_gives_out_no_more_energy_than_it_took_in(self, law: type[SpringLaw], force: Force) -> None:
+        if law.unit == "N" and law.passive:
+            for seed in range(20):
+                stored, taken = self._energy(force, seed)
+                assert stored >= -1e-3 * taken, (
+                    f"{law.name} gave out {-stored:g} J more than it took in, of {taken:g} J: expected a passive law "
+                    "(or passive = False)"
+                )
+
+    def test_a_factor_is_one_where_its_physics_is_absent(self, law: type[SpringLaw], parameters: Values) -> None:
+        if law.unit == "1":
+            null = {spec.name: spec.null for spec in law.parameters if spec.null is not None}
+            assert null, f"{law.name} is a factor: expected a parameter with a null, at which it is 1"
+            values = [_value(spec, {**parameters, **null}) for spec in law.parameters]
+            for point in self._points():
+                found = law.force(*point, *values)
+                assert found == pytest.approx(1.0), f"{law.name} at its null and {_where(point)}: expected 1, found {found:g}"
+
+    def test_a_factor_never_turns_a_force_round(self, law: type[SpringLaw], force: Force) -> None:
+        if law.unit == "1":
+            for point in self._points():
+                assert force(*point) >= 0.0, f"{law.name} at {_where(point)}: expected 0 or more, found {force(*point):g}"
+
+    def _points(self, count: int = 200) -> Iterator[Point]:
+        """States that a joint can be in: half of them being loaded further than ever before."""
+        random = np.random.default_rng(0)
+        for index in range(count):
+            d = random.uniform(-0.2, 1.0) * self.largest_deformation
+            ddot = random.uniform(-1.0, 1.0) * self.largest_rate
+            more = random.uniform(0.0, 0.5) * self.largest_deformation if index % 2 else 0.0
+            yield d, ddot, max(d, 0.0) + more
+
+    def _energy(self, force: Force, seed: int, count: int = 4000) -> tuple[float, float]:
+        """J, the least that the law holds along a random path from rest and no deformation, and the most."""
+        random = np.random.default_rng(seed)
+        phase = np.linspace(0.0, 2.0 * np.pi, count)
+        waves = sum(random.normal() * np.sin(n * phase) / n for n in range(1, 6))
+        path = waves / np.abs(waves).max() * self.largest_deformation
+        rate = np.gradient(path, phase)
+        rate *= self.largest_rate / np.abs(rate).max()
+        largest = np.maximum.accumulate(np.maximum(path, 0.0))
+        forces = np.array([force(*map(float, state)) for state in zip(path, rate, largest, strict=True)])
+        held = np.cumsum(0.5 * (forces[1:] + forces[:-1]) * np.diff(path))
+        return float(held.min()), float(np.abs(held).max())
+
+
+def _value(spec: ParameterSpec, parameters: Values) -> float | Sequence[float]:
+    value = parameters.get(spec.name, spec.default)
+    if value is None:
+        pytest.fail(f"the fixture parameters: expected a value for {spec.name}, which has no default")
+    return value
+
+
+def _where(point: Point) -> str:
+    return "d = {:g} m, ddot = {:g} m/s, d_max = {:g} m".format(*point)
+
+
+def _largest_jump(force: Force, start: Point, end: Point, count: int = 64) -> tuple[float, Point]:
+    """The change of force left where the steepest part of the way between two states is halved down to nothing."""
+
+    def at(share: float) -> Point:
+        return tuple((1.0 - share) * a + share * b for a, b in zip(start, end, strict=True))  # type: ignore[return-value]
+
+    shares = np.linspace(0.0, 1.0, count)
+    forces = np.array([force(*at(share)) for share in shares])
+    steepest = int(np.argmax(np.abs(np.diff(forces))))
+    low, high = shares[steepest], shares[steepest + 1]
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        before, after = (abs(force(*at(middle)) - force(*at(edge))) for edge in (low, high))
+        low, high = (low, middle) if before > after else (middle, high)
+    return abs(force(*at(high)) - force(*at(low))), at(middle)

@@ -1,0 +1,28 @@
+"""The force laws and rate factors that ship with crashkit."""
+
+from crashkit_spring_laws.buckling import Folding, Peak
+from crashkit_spring_laws.crush_plateau import CrushPlateau
+from crashkit_spring_laws.dampers import Coulomb, Viscous
+from crashkit_spring_laws.piecewise_affine import PiecewiseAffine
+from crashkit_spring_laws.rate_factors import RateLinear, RateLogarithm, RatePower
+from crashkit_spring_laws.stops import LinearStop, QuadraticStop, TensionSpring
+from crashkit_spring_laws.tables import RateTable, SmoothTable
+
+SPRING_LAWS = (
+    CrushPlateau,
+    PiecewiseAffine,
+    RateLinear,
+    RatePower,
+    RateLogarithm,
+    Viscous,
+    Coulomb,
+    LinearStop,
+    QuadraticStop,
+    TensionSpring,
+    Peak,
+    Folding,
+    SmoothTable,
+    RateTable,
+)
+
+__all__ = ["SPRING_LAWS", *(law.__name__ for law in SPRING_LAWS)]

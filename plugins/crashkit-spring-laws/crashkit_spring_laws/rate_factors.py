@@ -1,0 +1,62 @@
+"""Factors by which a joint's force rises with the rate at which it is deformed."""
+
+import math
+
+from crashkit.protocols import ParameterSpec, SpringLaw
+
+ROUNDING = 0.01
+"""m s-1, below which a power of the rate is rounded off: its slope at rest would be infinite."""
+
+
+class RateLinear(SpringLaw):
+    """A rise in proportion to the rate: max(0, 1 + a ddot) (Mizzi & Jezequel 1992, eq 1)."""
+
+    name = "rate_linear"
+    unit = "1"
+    parameters = (
+        ParameterSpec(
+            "rate_coefficient", "s m-1", "relative rise of the force with deformation rate (a)", lower=0.0, null=0.0
+        ),
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, rate_coefficient: float) -> float:
+        """The factor."""
+        return max(0.0, 1.0 + rate_coefficient * ddot)
+
+
+class RatePower(SpringLaw):
+    """A rise with a power of the rate while loading: 1 + A (ddot / 1 m/s)^n, after Cowper and Symonds (1957).
+
+    With r = max(ddot, 0) and r0 = 0.01 m/s the power is (r^2 + r0^2)^(n/2) - r0^n, smooth at rest.
+    """
+
+    name = "rate_power"
+    unit = "1"
+    parameters = (
+        ParameterSpec("rate_amplitude", "1", "relative rise of the force at 1 m/s", lower=0.0, null=0.0),
+        ParameterSpec("rate_exponent", "1", "exponent of the rate", lower=0.05, upper=2.0),
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, rate_amplitude: float, rate_exponent: float) -> float:
+        """The factor."""
+        rate = max(0.0, ddot)
+        power = (rate * rate + ROUNDING * ROUNDING) ** (rate_exponent / 2.0) - ROUNDING**rate_exponent
+        return 1.0 + rate_amplitude * power
+
+
+class RateLogarithm(SpringLaw):
+    """A rise with the logarithm of the rate while loading: 1 + A log(1 + ddot / reference), after Johnson and Cook (1983)."""
+
+    name = "rate_logarithm"
+    unit = "1"
+    parameters = (
+        ParameterSpec("rate_amplitude", "1", "relative rise of the force for e times the rate", lower=0.0, null=0.0),
+        ParameterSpec("reference_rate", "m s-1", "rate above which the force rises", lower=1e-3, upper=100.0),
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, rate_amplitude: float, reference_rate: float) -> float:
+        """The factor."""
+        return 1.0 + rate_amplitude * math.log(1.0 + max(0.0, ddot) / reference_rate)

@@ -1,0 +1,47 @@
+"""Forces that begin at a deformation, or end at one."""
+
+from crashkit.protocols import ParameterSpec, SpringLaw
+
+ENGAGEMENT_DEFORMATION = ParameterSpec("engagement", "m", "deformation at which the stop is met", lower=0.0)
+
+
+class LinearStop(SpringLaw):
+    """A stop that is met at a deformation: F = k max(0, d - engagement)."""
+
+    name = "linear_stop"
+    parameters = (
+        ParameterSpec("stiffness", "N m-1", "slope beyond the stop (k)", lower=0.0, null=0.0),
+        ENGAGEMENT_DEFORMATION,
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, stiffness: float, engagement: float) -> float:
+        """The force, N, compression positive."""
+        return stiffness * max(0.0, d - engagement)
+
+
+class QuadraticStop(SpringLaw):
+    """A stop that stiffens: F = c max(0, d - engagement)^2."""
+
+    name = "quadratic_stop"
+    parameters = (
+        ParameterSpec("coefficient", "N m-2", "force for a unit of deformation squared (c)", lower=0.0, null=0.0),
+        ENGAGEMENT_DEFORMATION,
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, coefficient: float, engagement: float) -> float:
+        """The force, N, compression positive."""
+        return coefficient * max(0.0, d - engagement) ** 2
+
+
+class TensionSpring(SpringLaw):
+    """A spring that only pulls: F = k min(0, d)."""
+
+    name = "tension_spring"
+    parameters = (ParameterSpec("stiffness", "N m-1", "slope in tension (k)", lower=0.0, null=0.0),)
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, stiffness: float) -> float:
+        """The force, N, compression positive."""
+        return stiffness * min(0.0, d)
