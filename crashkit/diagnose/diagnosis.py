@@ -40,11 +40,11 @@ def diagnose(
         progress: told what is being done and how far it is.
     """
     progress("re-identifying the model", 0.0)
-    equipped = workshop.equipped([model])
+    equipped = workshop.rehearsed(model, recordings.values())
     base = reidentify(equipped.identifier, equipped.first_misfit(model, recordings))
     discovery = discover(equipped, base, progress)
     progress("showing", 0.0)
-    return _told(workshop, discovery, holdout)
+    return _told(equipped, discovery, holdout)
 
 
 def _told(workshop: Workshop, discovery: Discovery, holdout: Mapping[str, xr.DataTree]) -> Diagnosis:

@@ -3,8 +3,9 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+import numpy as np
 import xarray as xr
-from attrs import evolve, frozen
+from attrs import evolve, field, frozen
 
 from crashkit.mechanics import Engine, compile_engine, functions_of
 from crashkit.misfit import Misfit
@@ -21,7 +22,7 @@ class Workshop:
     hypotheses: Mapping[str, type[Hypothesis]]
     smoother: Smoother
     identifier: Identifier[Any]
-    engine: Engine | None = None
+    engine: Engine | None = field(default=None)
 
     def misfit(self, base: Misfit, model: Model) -> Misfit:
         """The misfit of another model to the same recordings, weighed alike."""
@@ -32,6 +33,34 @@ class Workshop:
         return Misfit(model, recordings, self.laws, self.observers, self.engine)
 
     def equipped(self, models: Iterable[Model]) -> "Workshop":
-        """The same with one engine that holds the laws of all these models: it is compiled once."""
-        functions = {function for model in models for function in functions_of(model, self.laws)}
-        return evolve(self, engine=compile_engine(functions))
+        """The same with an engine that also holds the laws of these models."""
+        known = frozenset(self.engine.numbers) if self.engine else frozenset()
+        functions = known.union(*(functions_of(model, self.laws) for model in models))
+        return self if functions == known else evolve(self, engine=compile_engine(functions))
+
+    def rehearsed(self, model: Model, recordings: Iterable[xr.DataTree]) -> "Workshop":
+        """The same with an engine for the model and for every law that a hypothesis may bring to it.
+
+        Compiling takes seconds, so it is done once: the hypotheses are asked beforehand, with a motion that excites everything.
+        """
+        motion, recordings = [_lively_motion(model)], list(recordings)
+        proposals = [p for kind in self.hypotheses.values() for p in kind().propose(model, motion, recordings)]
+        return self.equipped([model, *(proposal.model for proposal in proposals)])
+
+
+def _lively_motion(model: Model) -> xr.Dataset:
+    """Every joint is compressed and stretched, every body moves; the sizes mean nothing."""
+    joints, bodies = [joint.name for joint in model.joints], [body.name for body in model.bodies]
+    ramp = np.array([0.0, 0.1, -0.1])
+    moved = np.array([[p + 0.1 * i * (n + 1) for n, p in enumerate(b.position)] for b in model.bodies for i in range(3)])
+    position = moved.reshape(len(bodies), 3, -1).transpose(1, 0, 2)
+    by_joint = (("time", "joint"), np.tile(ramp[:, None], (1, len(joints))))
+    return xr.Dataset(
+        {
+            "position": (("time", "body", "axis"), position),
+            "deformation": by_joint,
+            "deformation_rate": by_joint,
+            "force": by_joint,
+        },
+        coords={"time": [0.0, 0.1, 0.2], "joint": joints, "body": bodies, "axis": list(model.axes)},
+    )

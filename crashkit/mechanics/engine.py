@@ -24,7 +24,6 @@ HEADER = '''"""Written by crashkit.mechanics.engine; safe to delete."""
 
 import math
 
-import numpy as np
 from numba import njit
 
 compiled = njit(nogil=True, error_model="numpy")
@@ -78,20 +77,20 @@ def _engine(functions: tuple[LawFunction, ...]) -> Engine:
 def _source(functions: tuple[LawFunction, ...]) -> str:
     laws = [f"# {function.law.name} {function.sizes}\n{emit(function, f'law_{n}')}" for n, function in enumerate(functions)]
     dispatch = [
-        _dispatch("mode", "", "p, o", len(functions)),
-        _dispatch("frozen", "mode, ", "p, o", len(functions)),
-        _dispatch("partials", "mode, ", "p, o, out", len(functions)),
+        _dispatch("mode", "", "p, o", "0", len(functions)),
+        _dispatch("frozen", "mode, ", "p, o", "0.0, math.inf", len(functions)),
+        _dispatch("partials", "mode, ", "p, o, out", "0.0", len(functions)),
     ]
     body = inspect.getsource(kernel).split(KERNEL_MARK, 1)[1]
     body = body.replace(f"@compiled\ndef {ENTRY}(", f'@njit(nogil=True, error_model="numpy", cache=True)\ndef {ENTRY}(')
     return "\n\n\n".join([HEADER, *laws, *dispatch, body.strip()]) + "\n"
 
 
-def _dispatch(kind: str, first: str, last: str, count: int) -> str:
+def _dispatch(kind: str, first: str, last: str, none: str, count: int) -> str:
     arguments = f"{first}d, ddot, d_max, {last}"
     lines = ["@compiled", f"def law_{kind}(number, {arguments}):"]
-    lines += [f"    if number == {n}:\n        return law_{n}_{kind}({arguments})" for n in range(count - 1)]
-    return "\n".join([*lines, f"    return law_{count - 1}_{kind}({arguments})"])
+    lines += [f"    if number == {n}:\n        return law_{n}_{kind}({arguments})" for n in range(count)]
+    return "\n".join([*lines, f"    return {none}"])
 
 
 def _load(name: str, source: str) -> ModuleType:

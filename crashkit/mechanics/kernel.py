@@ -14,9 +14,7 @@ The functions below the line are not run from here: the engine writes them behin
 
 import math
 
-import numpy as np
-
-from crashkit.mechanics.arrays import Floats, Record, State, Structure, Tangent
+from crashkit.mechanics.arrays import Floats
 
 
 def compiled(function):  # type: ignore[no-untyped-def]

@@ -16,15 +16,18 @@ Figure = dict[str, object]
 
 @frozen
 class Style:
-    """How the curve of a model is drawn."""
+    """How a simulated curve of `ChannelCurves` is named and drawn."""
 
-    model: str
+    curve: str
+    name: str
     colour: str
     dash: str
 
 
 RECORDED = "#b4bbc5"
-BEFORE, AFTER = Style("before", "#d55e00", "dash"), Style("after", "#0072b2", "solid")
+BEFORE = Style("before", "before", "#d55e00", "dash")
+AFTER = Style("after", "after", "#0072b2", "solid")
+ONLY = Style("before", "model", "#0072b2", "solid")
 RUN_COLOURS = ("#0072b2", "#009e73", "#cc79a7", "#d55e00", "#56b4e9", "#e69f00")  # Okabe and Ito: safe for colour-blind eyes
 DISPLAYED = {"s": (1e3, "ms"), "m": (1e3, "mm"), "N": (1e-3, "kN")}
 MOST_POINTS = 4000
@@ -34,24 +37,25 @@ RESIDUAL_POINTS = 120
 def channel_chart(channel: ChannelCurves, with_after: bool) -> Figure:
     """Recorded, before and after over time; below, the residuals averaged over short blocks, in standard deviations."""
     scale, units = DISPLAYED.get(channel.units, (1.0, unit(channel.units)))
-    shown = (BEFORE, AFTER) if with_after else (BEFORE,)
     traces = [_line(channel.time, scale * channel.recorded, "recorded", RECORDED, width=3.5)]
-    residuals = [block_residual(channel, getattr(channel, style.model)) for style in shown]
-    for style, (times, residual) in zip(shown, residuals, strict=True):
-        name = style.model if with_after else "model"
-        traces.append(_line(channel.time, scale * getattr(channel, style.model), name, style.colour, dash=style.dash))
-        traces.append(_line(times, residual, name, style.colour, width=1.2, yaxis="y2", hovertemplate="%{y:.1f} σ"))
-    largest = _residual_range([residual for _, residual in residuals])
+    residuals = []
+    for style in (BEFORE, AFTER) if with_after else (ONLY,):
+        simulated = getattr(channel, style.curve)
+        times, residual = block_residual(channel, simulated)
+        residuals.append(residual)
+        traces.append(_line(channel.time, scale * simulated, style.name, style.colour, dash=style.dash))
+        traces.append(_line(times, residual, style.name, style.colour, 1.2, yaxis="y2", hovertemplate="%{y:.1f} σ"))
     layout = _layout(_axis("time (ms)", anchor="y2"), _axis(_title(channel.quantity, units), domain=[0.36, 1.0]))
-    layout["yaxis2"] = _axis("residual (σ)", domain=[0.0, 0.26], range=[-largest, largest], nticks=4)
+    layout["yaxis2"] = _axis("residual (σ)", domain=[0.0, 0.26], **_residual_scale(residuals))
     layout["shapes"] = [_noise_band()]
     return {"data": traces, "layout": layout}
 
 
-def _residual_range(residuals: Sequence[np.ndarray]) -> float:
+def _residual_scale(residuals: Sequence[np.ndarray]) -> Figure:
     """Wide enough for the last model's residual, but not so wide for the first's that the noise cannot be seen."""
-    first, last = (np.nanmax(np.abs(residual), initial=0.0) for residual in (residuals[0], residuals[-1]))
-    return float(max(4.0, 1.1 * last, min(1.1 * first, 12.0)))
+    first, last = (float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0)) for values in (residuals[0], residuals[-1]))
+    largest = max(4.0, 1.1 * last, min(1.1 * first, 12.0))
+    return {"range": [-largest, largest], "tickvals": [-(largest // 2), 0, largest // 2]}
 
 
 def block_residual(channel: ChannelCurves, simulated: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -126,7 +130,7 @@ def extremes(values: np.ndarray, most: int = MOST_POINTS) -> np.ndarray:
 
 
 def _line(
-    x: np.ndarray, y: np.ndarray, name: str, colour: str, dash: str = "solid", width: float = 1.6, **more: object
+    x: np.ndarray, y: np.ndarray, name: str, colour: str, width: float = 1.6, dash: str = "solid", **more: object
 ) -> Figure:
     """A trace; x is a time in s or a deformation in m, both shown in thousandths."""
     kept = extremes(y)

@@ -10,6 +10,8 @@ function draw(plot) {
   Plotly.newPlot(plot, figure.data, figure.layout, CONFIG);
 }
 
+const eachDrawing = (action) => document.querySelectorAll(".main-svg").forEach(action);
+
 window.addEventListener("DOMContentLoaded", () => {
   const plots = document.querySelectorAll(".plot");
   const observer = new IntersectionObserver(
@@ -17,5 +19,10 @@ window.addEventListener("DOMContentLoaded", () => {
     { rootMargin: "800px" },
   );
   plots.forEach((plot) => observer.observe(plot));
-  window.addEventListener("beforeprint", () => plots.forEach(draw));
+  window.addEventListener("beforeprint", () => {
+    plots.forEach(draw);
+    // With a view box a drawing shrinks to the column of the paper.
+    eachDrawing((svg) => svg.setAttribute("viewBox", `0 0 ${svg.getAttribute("width")} ${svg.getAttribute("height")}`));
+  });
+  window.addEventListener("afterprint", () => eachDrawing((svg) => svg.removeAttribute("viewBox")));
 });

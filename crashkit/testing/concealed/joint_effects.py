@@ -44,7 +44,7 @@ def viscous_damping(stage: Stage) -> Effect:
 
 
 def plastic_unloading(stage: Stage) -> Effect:
-    """The model's joint is elastic, the true one unloads along a steep line or a curve; less than 1 of it is plastic if need be."""
+    """The model's joint is elastic, the true one (or a part of it) unloads along a steep line or a curve."""
     joint, form = stage.joint(), stage.one_of(("line", "curve"))
     stiffness = stage.field(joint, "elastic_stiffness") * stage.rng.uniform(2.0, 8.0)
     stage.scene.world.joints[joint].fields.pop("unloading_stiffness", None)  # what the model believes

@@ -1,7 +1,8 @@
-"""What the instruments make of a trace: the sensors' faults, noise, the J211 filter, hidden frames, and the recording's form."""
+"""What the instruments make of a trace: faults, noise, the J211 filter, hidden frames, and the recording's form."""
 
 import copy
 import math
+from typing import Any
 
 import numba
 import numpy as np
@@ -111,7 +112,7 @@ def _interpolate(observer: str, trace: Trace, signal: np.ndarray, times: np.ndar
 
 
 @numba.njit(cache=True)
-def _ring(signal, frequency, damping):
+def _ring(signal: np.ndarray, frequency: float, damping: float) -> np.ndarray:
     """The acceleration of a small mass on a spring and a damper on a base that accelerates by `signal`."""
     pulsation = 2.0 * math.pi * frequency
     out, stretch, rate = np.empty(len(signal)), 0.0, 0.0
@@ -136,7 +137,7 @@ def j211(value: np.ndarray, cfc: int, rate: float) -> np.ndarray:
 
 
 @numba.njit(cache=True)
-def _recursion(value, forward, back_1, back_2):
+def _recursion(value: np.ndarray, forward: float, back_1: float, back_2: float) -> np.ndarray:
     out = np.empty(len(value))
     in_1 = in_2 = out_1 = out_2 = value[0]
     for i in range(len(value)):
@@ -192,7 +193,7 @@ def _group(instrument: Instrument, trace: Trace, duration: float, rng: np.random
     columns = [read(instrument, sensor, trace, duration, rng) for sensor in sensors]
     hidden = [_hidden(sensor, times, rng) for sensor in sensors]
     values = np.where(np.stack(hidden, 1), np.nan, np.stack(columns, 1))
-    variables: dict[str, tuple] = {
+    variables: dict[str, tuple[Any, ...]] = {
         quantity: (("time", channel, "axis"), values[:, :, None], {"units": units}),
         f"{channel}_body": ((channel,), [sensor.body for sensor in sensors]),
     }

@@ -5,6 +5,7 @@ It deliberately shares nothing with the engine of crashkit: one leapfrog loop wi
 
 import copy
 import math
+from typing import Any
 
 import numba
 import numpy as np
@@ -155,7 +156,7 @@ def _joint_table(world: World) -> np.ndarray:
 
 
 @numba.njit(cache=True)
-def _loading_force(joint, d):
+def _loading_force(joint: Any, d: float) -> float:
     """The force of a first loading to deformation d > 0."""
     force = min(joint.elastic_stiffness * d, joint.crush_force)
     if d > joint.densification_deformation:
@@ -174,7 +175,7 @@ def _loading_force(joint, d):
 
 
 @numba.njit(cache=True)
-def _static_force(joint, d, d_max):
+def _static_force(joint: Any, d: float, d_max: float) -> float:
     """The force without rate, memory of time, damping or friction; negative where the joint pulls."""
     top = _loading_force(joint, d_max)
     free = 0.0 if joint.unloading_stiffness == 0.0 else d_max - top / joint.unloading_stiffness
@@ -190,7 +191,7 @@ def _static_force(joint, d, d_max):
 
 
 @numba.njit(cache=True)
-def _rate_factor(joint, rate):
+def _rate_factor(joint: Any, rate: float) -> float:
     factor = 1.0 + joint.rate_linear * rate
     if rate > 0.0:
         if joint.rate_power_size != 0.0:
@@ -204,7 +205,7 @@ def _rate_factor(joint, rate):
 
 
 @numba.njit(cache=True)
-def _joint_force(joint, deformation, rate, time, memory):
+def _joint_force(joint: Any, deformation: float, rate: float, time: float, memory: np.ndarray) -> float:
     """The whole force of a joint; memory holds d_max, the branch's force, the fading force and the last static force."""
     d = deformation - joint.gap
     if joint.gap_softness > 0.0:
@@ -234,7 +235,7 @@ def _joint_force(joint, deformation, rate, time, memory):
 
 
 @numba.njit(cache=True)
-def _integrate(bodies, joints, speed, steps):
+def _integrate(bodies: Any, joints: Any, speed: float, steps: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Leapfrog: the velocities are half a step ahead of the positions."""
     rows = (steps + STRIDE - 1) // STRIDE
     stored_position, stored_acceleration = np.empty((rows, len(bodies))), np.empty((rows, len(bodies)))

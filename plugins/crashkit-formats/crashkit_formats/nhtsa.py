@@ -8,9 +8,9 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 from attrs import frozen
-from crashkit.data.channel_filter import filter_channel
 from numpy.typing import NDArray
 
+from crashkit.data.channel_filter import filter_channel
 from crashkit.errors import CrashkitError
 from crashkit.protocols import Importer
 from crashkit_formats.curves import CurveFile, curve_files

@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 from crashkit_formats.nhtsa import NhtsaImporter
 
+from crashkit.data import read_recording, write_recording
 from crashkit.errors import CrashkitError
 
 TIME = np.arange(-500, 1500) * 1e-4
@@ -97,6 +98,14 @@ def test_a_recording_of_two_instruments(read: Read) -> None:
     assert wall.sensor_body.item() == "barrier"
     assert wall.sensor_curves.item() == "107+110"
     np.testing.assert_allclose(wall.time.values[[0, -1]], [0.0, 0.12], atol=1e-12)
+
+
+def test_a_recording_keeps_the_contract_on_disk(read: Read, tmp_path: Path) -> None:
+    run = read("93+94=vehicle:compartment", "96=engine", "-107+110=barrier:wall", channel_frequency_class="180")
+    write_recording(run, tmp_path / "run.nc")
+    found = read_recording(tmp_path / "run.nc", {})
+    assert found["accelerometer"].sensor_body.values.tolist() == ["vehicle", "engine"]
+    np.testing.assert_array_equal(found["load_cell"].ds.force, run["load_cell"].ds.force)
 
 
 def test_sensors_are_named_after_place_axis_and_curves(read: Read) -> None:

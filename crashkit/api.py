@@ -1,0 +1,147 @@
+"""What the command line does, as functions on files; each returns what is to be printed, or the result."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from crashkit.data.motion import write_motion
+from crashkit.data.recording import check_recording, read_recording, write_recording
+from crashkit.diagnose import Diagnosis, Workshop, diagnose
+from crashkit.diagnose.result import run_name
+from crashkit.errors import CrashkitError
+from crashkit.mechanics import simulate
+from crashkit.misfit import Misfit
+from crashkit.model import Model
+from crashkit.model.toml import read_model, write_model
+from crashkit.protocols import Status
+from crashkit.registry import Registry, load
+from crashkit.report import write_json, write_report
+
+Show = Callable[[str], None]
+SIMULATION_INTERVAL = 1e-4
+"""s between the instants of a simulation that is written to a file."""
+
+
+def load_model(path: Path) -> Model:
+    """A model from its file, checked against the installed laws."""
+    registry = load()
+    return read_model(path, registry.spring_laws, registry.observers)
+
+
+def load_recordings(paths: Iterable[Path]) -> dict[str, xr.DataTree]:
+    """Recordings by run name (their file names; with the folder where two share a name)."""
+    paths = list(paths)
+    names = [run_name(path) for path in paths]
+    schemas = {name: observer.schema for name, observer in load().observers.items()}
+    unique = [name if names.count(name) == 1 else str(path) for name, path in zip(names, paths, strict=True)]
+    return {name: read_recording(path, schemas) for name, path in zip(unique, paths, strict=True)}
+
+
+def workshop(registry: Registry | None = None, method: str = "sensitivity", smoother: str = "gcv_quintic") -> Workshop:
+    """The installed plugins, ready for a diagnosis."""
+    registry = registry or load()
+    return Workshop(
+        registry.spring_laws,
+        registry.observers,
+        registry.hypotheses,
+        registry.smoother(smoother)(),
+        registry.identifier(method)(),
+    )
+
+
+def diagnose_files(model: Path, runs: Sequence[Path], holdout: Sequence[Path], output: Path, progress: Show) -> Diagnosis:
+    """Diagnose a model against recordings; writes diagnosis.json, augmented_model.toml and index.html."""
+    given, recordings, unseen = load_model(model), load_recordings(runs), load_recordings(holdout)
+    if set(recordings) & set(unseen):
+        raise CrashkitError(f"expected runs that are either fitted or held out, found both: {sorted(set(recordings) & set(unseen))[0]}")
+    _make_folder(output)
+    result = diagnose(given, recordings, unseen, workshop(), _told(progress))
+    write_model(result.augmented_model, output / "augmented_model.toml", load().spring_laws)
+    write_report(result, output)
+    write_json(result, output / "diagnosis.json")
+    return result
+
+
+def identify_files(model: Path, runs: Sequence[Path], method: str, output: Path, progress: Show) -> str:
+    """Identify a model's free parameters on recordings; writes the identified model."""
+    registry = load()
+    misfit = Misfit(load_model(model), load_recordings(runs), registry.spring_laws, registry.observers)
+    identifier = registry.identifier(method)()
+    state = identifier.start(misfit)
+    while state.status is Status.RUNNING:
+        state = identifier.step(misfit, state)
+        progress(f"cost {state.cost:.6g}")
+    result = identifier.finish(misfit, state)
+    write_model(misfit.model.with_values(result.values), output, registry.spring_laws)
+    table = result.parameters
+    rows = [
+        f"{name}: {float(table['value'][i]):.6g} ± {float(table['std'][i]):.2g}"
+        f"{'' if bool(table['identifiable'][i]) else '  not identifiable'}"
+        for i, name in enumerate(misfit.names)
+    ]
+    return "\n".join([result.status.value, *rows, *result.unseen])
+
+
+def simulate_file(model: Path, duration: float, output: Path) -> str:
+    """Simulate a model from its own initial state; writes the motion."""
+    if not 0.0 < duration < np.inf:
+        raise CrashkitError(f"duration: expected a positive number of seconds, found {duration}")
+    times = np.linspace(0.0, duration, 1 + max(1, round(duration / SIMULATION_INTERVAL)))
+    write_motion(simulate(load_model(model), times, load().spring_laws), output)
+    return f"wrote {output}"
+
+
+def list_channels(name: str, source: Path) -> str:
+    """The channels that a source of some format holds, as a table."""
+    table = load().importer(name)().channels(source)
+    return table.to_dataframe().to_string()
+
+
+def import_recording(name: str, source: Path, output: Path, channels: Sequence[str], options: Mapping[str, str]) -> str:
+    """A laboratory's own files as a recording."""
+    recording = load().importer(name)().read(source, channels, options)
+    check_recording(recording, {kind: observer.schema for kind, observer in load().observers.items()}, str(source))
+    write_recording(recording, output)
+    return f"wrote {output}"
+
+
+def check_files(paths: Iterable[Path]) -> str:
+    """Validate recordings (netCDF) and models (TOML); one line for each that is as it should be."""
+    return "\n".join(_check(path) for path in paths)
+
+
+def run_demo(seed: int | None, output: Path, open_page: bool, progress: Show) -> str:
+    """Conceal a piece of physics in made-up recordings, diagnose them without the secret, and open the seal."""
+    from crashkit.demo import run
+
+    return run(seed, output, open_page, progress)
+
+
+def _check(path: Path) -> str:
+    if path.suffix == ".toml":
+        load_model(path)
+    else:
+        load_recordings([path])
+    return f"{path}: as it should be"
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CrashkitError(f"{folder}: expected a folder to write to, found {error.strerror}") from error
+
+
+def _told(progress: Show) -> Callable[[str, float], None]:
+    """Progress in whole sentences, at most one for each twentieth of a piece of work."""
+    shown: set[tuple[str, int]] = set()
+
+    def tell(doing: str, share: float) -> None:
+        step = (doing.split()[0], int(20 * share))
+        if step not in shown:
+            shown.add(step)
+            progress(f"{doing} ({100 * share:.0f} %)" if share else doing)
+
+    return tell
