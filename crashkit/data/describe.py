@@ -1,5 +1,7 @@
 """Schemas as tables, so that the documentation cannot differ from what is checked."""
 
+from collections.abc import Sequence
+
 from crashkit.data.schema import Attribute, GroupSchema, Variable
 from crashkit.data.schemas import DIMENSIONS
 from crashkit.data.validate import names
@@ -42,6 +44,6 @@ def _attribute_row(attribute: Attribute) -> tuple[str, ...]:
     return f"`{attribute.name}`", names(attribute.values) or "any", attribute.meaning + optional
 
 
-def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+def _table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
     lines = [head, ("---",) * len(head), *rows]
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)

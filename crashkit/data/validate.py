@@ -200,9 +200,13 @@ def plain_value(value: object) -> object:
 
 
 def shown(value: object) -> str:
-    """A value as messages show it: text in double quotes, numbers and truth values as files have them."""
+    """A value as messages show it: text in double quotes, lists in brackets, numbers and truth values as files have them."""
     if isinstance(value, bool):
         return str(value).lower()
+    if isinstance(value, list):
+        return f"[{names(value)}]"
+    if isinstance(value, dict):
+        return "a table"
     return f'"{value}"' if isinstance(value, str) else str(value)
 
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from crashkit.mechanics import forces_along
+from crashkit.mechanics.along import forces_along
 from crashkit.misfit import Misfit
 from crashkit.model import Model
 from crashkit.protocols import Smoother, SpringLaw

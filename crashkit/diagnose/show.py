@@ -10,7 +10,7 @@ from crashkit.diagnose.name import Rival
 from crashkit.diagnose.result import place_of
 from crashkit.diagnose.rounds import Discovery
 from crashkit.diagnose.workshop import Workshop
-from crashkit.mechanics import forces_along
+from crashkit.mechanics.along import forces_along
 from crashkit.misfit import Misfit
 from crashkit.model import Model
 from crashkit.protocols import ParameterSpec

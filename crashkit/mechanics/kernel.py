@@ -239,7 +239,9 @@ def accelerate_tangent(structure, state, tangent, row):
     columns = tangent.rest.shape[1]
     if columns == 0:
         return
-    acceleration[row, :, :] = 0.0
+    for body in range(structure.inverse_mass.size):
+        for c in range(columns):
+            acceleration[row, body, c] = 0.0
     for joint in range(structure.first.size):
         joint_tangent(structure, state, tangent, row, joint)
         a, b, s = structure.first[joint], structure.second[joint], structure.direction[joint]
@@ -311,18 +313,21 @@ def advance(structure, state, tangent, longest, guard, step):
 @compiled
 def write(structure, state, tangent, record, k):
     """The state in row 0 becomes entry k of the record."""
-    record.position[k] = state.position[0]
-    record.velocity[k] = state.velocity[0]
-    record.acceleration[k] = state.acceleration[0]
-    record.force[k] = state.force
+    columns = tangent.rest.shape[1]
+    for body in range(structure.inverse_mass.size):
+        record.position[k, body] = state.position[0, body]
+        record.velocity[k, body] = state.velocity[0, body]
+        record.acceleration[k, body] = state.acceleration[0, body]
+        for c in range(columns):
+            record.position_sensitivity[k, body, c] = tangent.position[0, body, c]
+            record.velocity_sensitivity[k, body, c] = tangent.velocity[0, body, c]
+            record.acceleration_sensitivity[k, body, c] = tangent.acceleration[0, body, c]
     for joint in range(structure.first.size):
         record.deformation[k, joint], record.deformation_rate[k, joint] = kinematics(structure, state, 0, joint)
-    if tangent.rest.shape[1] > 0:
-        record.position_sensitivity[k] = tangent.position[0]
-        record.velocity_sensitivity[k] = tangent.velocity[0]
-        record.acceleration_sensitivity[k] = tangent.acceleration[0]
-        record.deformation_sensitivity[k] = tangent.deformation
-        record.force_sensitivity[k] = tangent.force
+        record.force[k, joint] = state.force[joint]
+        for c in range(columns):
+            record.deformation_sensitivity[k, joint, c] = tangent.deformation[joint, c]
+            record.force_sensitivity[k, joint, c] = tangent.force[joint, c]
 
 
 @compiled

@@ -45,8 +45,8 @@ def model_faults(
 def check_recording_against_model(tree: xr.DataTree, model: Model, source: str) -> None:
     """Refuse a recording whose bodies or axes are not those of the model: raises ContractError with every fault.
 
-    Every text variable `<channel>_body` of an instrument must name bodies of the model. The group `initial` may hold bodies that
-    the model does not have, but not while bodies of the model are missing from it: such a name is misspelt.
+    Every text variable `<channel>_body` of an instrument must name bodies of the model. The group `initial` may hold bodies
+    that the model does not have, but not while bodies of the model are missing from it: such a name is misspelt.
     """
     faults = list(_recording_faults(tree, model))
     if faults:
@@ -64,7 +64,7 @@ def instrument_place(instrument: str, sensor: str) -> str:
 
 
 def specs_of(law: str, factors: Iterable[str], laws: Mapping[str, type[SpringLaw]]) -> dict[str, ParameterSpec]:
-    """The parameters that a law and its factors declare, by name, in their order; those that are not installed declare none."""
+    """The parameters that a law and its factors declare, by name, in their order; what is not installed declares none."""
     installed = [laws[name] for name in (law, *factors) if name in laws]
     return {spec.name: spec for plugin in installed for spec in plugin.parameters}
 
@@ -80,7 +80,7 @@ def _model_faults(
     if all(body.fixed for body in model.bodies):
         yield Fault("body", "at least one body that is not fixed", "none")
     for index, body in enumerate(model.bodies):
-        yield from _body_faults(body, len(model.axes), place("body", index, body.name))
+        yield from _body_faults(body, model, place("body", index, body.name))
     for index, joint in enumerate(model.joints):
         yield from _joint_faults(joint, model, laws, place("joint", index, joint.name))
     for errors in model.instruments:
@@ -100,9 +100,12 @@ def _repeated(kind: str, found: Sequence[str]) -> Iterator[Fault]:
             yield Fault(kind, "names without repeats", f"{name} {found.count(name)} times")
 
 
-def _body_faults(body: Body, axes: int, where: str) -> Iterator[Fault]:
-    yield from _vector_faults(body.position, axes, f"{where}/position")
-    yield from _vector_faults(body.velocity, axes, f"{where}/velocity")
+def _body_faults(body: Body, model: Model, where: str) -> Iterator[Fault]:
+    yield from _vector_faults(body.position, len(model.axes), f"{where}/position")
+    yield from _vector_faults(body.velocity, len(model.axes), f"{where}/velocity")
+    others = [other.name for other in model.bodies if other.name not in ("", body.name)]
+    if body.carrier and body.carrier not in others:
+        yield Fault(f"{where}/carrier", f"one of {names(others) or 'no bodies'}", shown(body.carrier))
     if body.fixed and any(body.velocity):
         yield Fault(f"{where}/velocity", "no velocity for a fixed body", names(body.velocity))
     if body.mass is None:

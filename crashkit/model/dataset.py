@@ -21,6 +21,7 @@ MODEL = GroupSchema(
         Variable("body_position", ("body", "axis"), "m", "centre of mass at t = 0"),
         Variable("body_velocity", ("body", "axis"), "m s-1", "at t = 0"),
         Variable("body_fixed", ("body",), None, "whether it is held in place", kind="flag"),
+        Variable("body_carrier", ("body",), None, "the body that it moves with until t = 0; empty for none", kind="text"),
         Variable("joint_bodies", ("joint", "end"), None, "names of the two bodies", kind="text"),
         Variable("joint_points", ("joint", "end", "axis"), "m", "attachment in each body's frame", allow_nan=True),
         Variable("joint_law", ("joint",), None, "name of the spring law", kind="text"),
@@ -52,6 +53,7 @@ def model_to_dataset(model: Model) -> xr.Dataset:
         "body_position": _numbers([body.position for body in model.bodies], len(model.axes)),
         "body_velocity": _numbers([body.velocity for body in model.bodies], len(model.axes)),
         "body_fixed": np.array([body.fixed for body in model.bodies], dtype=np.int8),
+        "body_carrier": _text([body.carrier for body in model.bodies]),
         "joint_bodies": _text([joint.bodies for joint in model.joints]).reshape(-1, 2),
         "joint_points": _numbers([_points(joint, len(model.axes)) for joint in model.joints], 2, len(model.axes)),
         "joint_law": _text([joint.law for joint in model.joints]),
@@ -153,6 +155,7 @@ def _body(columns: dict[str, list[Any]], index: int) -> Body:
         velocity=tuple(columns["body_velocity"][index]),
         mass=_owned(columns, "body", index).get("mass"),
         fixed=bool(columns["body_fixed"][index]),
+        carrier=columns["body_carrier"][index],
     )
 
 

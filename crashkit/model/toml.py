@@ -104,7 +104,7 @@ _TABLES = _Kind("tables in double brackets", _list_of(_is_table))
 _ANY = _Kind("a number", lambda raw: True)
 
 _ROOT = {"schema": _TEXT, "name": _TEXT, "axes": _TEXTS, "body": _TABLES, "joint": _TABLES, "instrument": _TABLES}
-_BODY = {"name": _TEXT, "fixed": _FLAG, "mass": _ANY, "position": _NUMBERS, "velocity": _NUMBERS}
+_BODY = {"name": _TEXT, "fixed": _FLAG, "mass": _ANY, "position": _NUMBERS, "velocity": _NUMBERS, "carrier": _TEXT}
 _JOINT = {
     "name": _TEXT,
     "bodies": _NAMES,
@@ -152,6 +152,7 @@ def _body(table: dict[str, Any], axes: int, index: int, faults: list[Fault]) -> 
         velocity=_floats(body.get("velocity", [0.0] * axes)),
         mass=_mass(body["mass"], f"{where}/mass", faults) if "mass" in body else None,
         fixed=body.get("fixed", False),
+        carrier=body.get("carrier", ""),
     )
 
 

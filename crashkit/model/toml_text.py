@@ -1,6 +1,6 @@
 """The TOML text of a model, laid out as a person would write it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import tomli_w
@@ -40,6 +40,7 @@ def _body(body: Body) -> dict[str, Any]:
         **({"mass": write_parameter(body.mass, UNDECLARED)} if body.mass is not None else {}),
         "position": body.position,
         **({"velocity": body.velocity} if any(body.velocity) or not body.fixed else {}),
+        **({"carrier": body.carrier} if body.carrier else {}),
     }
 
 

@@ -19,6 +19,7 @@ class ChannelFit:
     independent_samples: float
 
 
+CURVES = ("recorded", "before", "after", "std")
 UNRATED = ChannelFit(np.nan, np.nan, np.nan, np.nan)
 
 
@@ -58,11 +59,11 @@ class ChannelCurves:
 def channels_of(diagnosis: Diagnosis) -> Iterator[ChannelCurves]:
     """Every channel with its curves, in the order of the diagnosis."""
     fits = {model: _by_channel(diagnosis, model) for model in ("before", "after")}
-    for run, instruments in diagnosis.curves.children.items():
-        for instrument, node in instruments.children.items():
-            group = node.to_dataset()
-            for index, name in enumerate(group["channel"].values):
-                yield _channel(group, index, run, instrument, str(name).removeprefix(f"{run}/{instrument}/"), fits)
+    for node in diagnosis.curves.leaves:
+        group = node.to_dataset()
+        run, _, instrument = node.path.strip("/").rpartition("/")
+        for index, sensor in enumerate(group.get("channel", ())):
+            yield _channel(group, index, (run, instrument, str(sensor.item())), fits)
 
 
 def fits_of(fit: Fit) -> dict[str, ChannelFit]:
@@ -71,7 +72,7 @@ def fits_of(fit: Fit) -> dict[str, ChannelFit]:
     if "channel" not in table.sizes:
         return {}
     columns = [table[name].values.astype(float).tolist() for name in ChannelFit.__annotations__]
-    return dict(zip(map(str, table["channel"].values), map(ChannelFit, *columns), strict=True))
+    return dict(zip((str(name).strip("/") for name in table["channel"].values), map(ChannelFit, *columns), strict=True))
 
 
 def _by_channel(diagnosis: Diagnosis, model: str) -> dict[str, ChannelFit]:
@@ -83,19 +84,19 @@ def _by_channel(diagnosis: Diagnosis, model: str) -> dict[str, ChannelFit]:
 
 
 def _channel(
-    group: xr.Dataset, index: int, run: str, instrument: str, sensor: str, fits: dict[str, dict[str, ChannelFit]]
+    group: xr.Dataset, index: int, name: tuple[str, str, str], fits: dict[str, dict[str, ChannelFit]]
 ) -> ChannelCurves:
-    curves = {name: group[name].isel(channel=index).values for name in ("recorded", "before", "after")}
-    std = group["std"].isel(channel=index).values if "channel" in group["std"].dims else group["std"].values
+    one = group.isel(channel=index)
+    recorded, before, after, std = (np.broadcast_to(one[curve].values, one["time"].shape) for curve in CURVES)
     return ChannelCurves(
-        run=run,
-        instrument=instrument,
-        sensor=sensor,
+        *name,
         quantity=str(group.attrs.get("quantity", "")),
         units=str(group.attrs.get("units", "")),
         holdout=bool(group.attrs.get("holdout", 0)),
         time=group["time"].values,
-        std=np.broadcast_to(std, group["time"].shape),
-        fits={model: fits[model].get(f"{run}/{instrument}/{sensor}", UNRATED) for model in fits},
-        **curves,
+        recorded=recorded,
+        before=before,
+        after=after,
+        std=std,
+        fits={model: fits[model].get("/".join(name), UNRATED) for model in fits},
     )

@@ -3,6 +3,7 @@
 import base64
 from collections.abc import Mapping, Sequence
 from html import escape
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -11,7 +12,7 @@ from attrs import frozen
 from crashkit.report.channels import ChannelCurves
 from crashkit.report.words import unit
 
-Figure = dict[str, object]
+Figure = dict[str, Any]
 
 
 @frozen
@@ -105,7 +106,7 @@ def _force_traces(run: ForceRun, x: np.ndarray, colour: str) -> list[Figure]:
     kept = extremes(recorded)
     x, recorded, std, modelled = x[kept], recorded[kept], std[kept], modelled[kept]
     name = escape(run.name) + (" (never fitted)" if run.holdout else "")
-    group = {"legendgroup": name, "hoverinfo": "skip"}
+    group: Figure = {"legendgroup": name, "hoverinfo": "skip"}
     present = np.isfinite(recorded) & np.isfinite(std) & np.isfinite(x)
     around = np.concatenate([(recorded + std)[present], (recorded - std)[present][::-1]])
     band = _line(np.concatenate([x[present], x[present][::-1]]), around, name, colour, width=0, showlegend=False, **group)

@@ -15,10 +15,10 @@ SETS = ("calibration", "holdout")
 MODELS = ("before", "after")
 
 
-def write_json(diagnosis: Diagnosis, directory: Path) -> Path:
-    """Write `directory`/diagnosis.json, whole or not at all, and return its path."""
+def write_json(diagnosis: Diagnosis, path: Path) -> Path:
+    """Write the diagnosis as JSON, whole or not at all, and return its path."""
     text = json.dumps(diagnosis_json(diagnosis), indent=1, ensure_ascii=False, allow_nan=False)
-    return write_text(directory / "diagnosis.json", text + "\n")
+    return write_text(path, text + "\n")
 
 
 def diagnosis_json(diagnosis: Diagnosis) -> dict[str, object]:

@@ -21,6 +21,9 @@ from crashkit.report.files import write_text
 
 Row = dict[str, Any]
 
+INCONSISTENT = 5.0
+"""Standard deviations from which two instruments are said to disagree."""
+
 SET_NAMES = {"holdout": "Held-out runs, never fitted", "calibration": "Fitted runs"}
 
 
@@ -54,7 +57,9 @@ def render(diagnosis: Diagnosis) -> str:
         fitted=_runs([channel for channel in channels if not channel.holdout], bool(diagnosis.findings)),
         fits=[table for name in reversed(SETS) if (table := _fit_table(diagnosis, name))],
         rounds=_rounds(diagnosis.ranking),
+        with_left_out=any(math.isfinite(row["left_out_drop"]) for row in rows(diagnosis.ranking, "hypothesis")),
         consistency=rows(diagnosis.consistency, "check"),
+        inconsistent=INCONSISTENT,
         identified=rows(diagnosis.identified, "parameter"),
     )
 
@@ -110,10 +115,13 @@ def _forces(diagnosis: Diagnosis) -> Iterator[Force]:
     """Findings about sensors have no missing force, and are left out."""
     for index, finding in enumerate(diagnosis.findings):
         if str(index) in diagnosis.missing_force.children:
-            nodes = diagnosis.missing_force[str(index)].children
-            runs = [ForceRun(name, bool(node.attrs.get("holdout", 0)), node.to_dataset()) for name, node in nodes.items()]
-            if runs:
-                yield Force(finding, *force_charts(runs))
+            tree = diagnosis.missing_force.children[str(index)]
+            runs = [
+                ForceRun(node.relative_to(tree), bool(node.attrs.get("holdout", 0)), node.to_dataset())
+                for node in tree.leaves
+                if "time" in node.sizes
+            ]
+            yield Force(finding, *force_charts(runs))
 
 
 def _fit_table(diagnosis: Diagnosis, runs: str) -> FitTable | None:

@@ -36,7 +36,7 @@ VERDICTS = {
     "unexplained": Verdict(
         "unknown",
         "Something real is missing, and no known physics explains it",
-        "Simulation and recordings differ by more than noise. The difference is located below, but it cannot be named.",
+        "Simulation and recordings differ by more than noise. Nothing on the list of known physics names the difference.",
     ),
 }
 

@@ -31,18 +31,18 @@ class HypothesisContract:
         """The hypothesis under test."""
         pytest.fail("a hypothesis's contract needs a fixture `hypothesis` that returns an instance")
 
-    @pytest.fixture(scope="class")
+    @pytest.fixture
     def model(self) -> Model:
         """The model that may have left something out."""
         return toys.two_degrees()
 
-    @pytest.fixture(scope="class")
+    @pytest.fixture
     def motion(self, model: Model) -> Sequence[xr.Dataset]:
         """Its motion in two runs."""
         simulator, times = Simulator(model, load().spring_laws), np.linspace(0.0, 0.4, 201)
         return [simulator.run(times, initial=toys.initial_state(model, speed)) for speed in (1.0, 2.0)]
 
-    @pytest.fixture(scope="class")
+    @pytest.fixture
     def recordings(self, motion: Sequence[xr.Dataset]) -> Mapping[str, xr.DataTree]:
         """What instruments recorded of the two runs."""
         return {f"run_{number}": toys.recording(run) for number, run in enumerate(motion, 1)}
@@ -119,12 +119,12 @@ def _places(model: Model, recordings: Mapping[str, xr.DataTree]) -> dict[str, se
     """What a location may name, by its key."""
     groups = [(name, group) for tree in recordings.values() for name, group in tree.children.items() if name != "initial"]
     bodies = {body.name for body in model.bodies}
-    sensors = {str(name) for _, group in groups for dim in ("sensor", "marker") for name in group.coords.get(dim, ())}
+    labels = [group.coords[dim].values.tolist() for _, group in groups for dim in ("sensor", "marker") if dim in group.coords]
     return {
         "joint": {joint.name for joint in model.joints},
         "body": bodies,
         "bodies": bodies,
-        "sensor": sensors,
+        "sensor": {name for names in labels for name in names},
         "instrument": {name for name, _ in groups},
     }
 

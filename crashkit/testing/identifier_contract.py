@@ -29,13 +29,13 @@ class IdentifierContract:
         """The method under test."""
         pytest.fail("an identifier's contract needs a fixture `identifier` that returns an instance")
 
-    @pytest.fixture(scope="class")
+    @pytest.fixture
     def problem(self) -> toys.MotionProblem:
         """The paper's one degree of freedom, started away from the answer."""
         truth = toys.one_degree()
         return toys.problem(truth, toys.start_from(truth, self.start), load().spring_laws)
 
-    @pytest.fixture(scope="class")
+    @pytest.fixture
     def two_springs(self) -> toys.MotionProblem:
         """The paper's two degrees of freedom, at two speeds so that every parameter is seen."""
         truth = toys.two_degrees(rear_mass=toys.REAR_MASS_INVERTED)

@@ -14,7 +14,7 @@ class ObserverContract:
 
     Subclasses give the fixtures
         observer: an instance.
-        instrument: a recording group it understands, without missing samples, its time stamps within the motion's.
+        instrument: a recording group it understands, complete, from the motion's start to a little before its end.
         motion: of the bodies that the instrument watches, smooth, without sensitivities.
 
     Attributes:
@@ -57,11 +57,10 @@ class ObserverContract:
         assert_same(observer, observer.predict(motion, blank), observer.predict(motion, instrument))
 
     def test_times_after_the_motion_are_unknown(self, observer: Observer, instrument: xr.Dataset, motion: xr.Dataset) -> None:
-        late = motion["time"].values[-1]
         cut = motion.isel(time=slice(None, motion.sizes["time"] // 2))
         predicted = observer.predict(cut, instrument)[observer.quantity]
         unknown = instrument["time"].values > cut["time"].values[-1]
-        assert unknown.any(), f"the instrument must record up to the motion's end, {late} s"
+        assert unknown.any()
         assert np.isnan(predicted.isel(time=unknown)).all()
         assert np.isfinite(predicted.isel(time=~unknown)).all()
 
@@ -170,10 +169,8 @@ def _directions(motion: xr.Dataset) -> dict[str, xr.Variable]:
 
 
 def _moved(motion: xr.Dataset, directions: dict[str, xr.Variable], parameter: int, step: float) -> xr.Dataset:
-    return motion.assign(
-        {
-            name.removesuffix("_sensitivity"): motion[name.removesuffix("_sensitivity")] + step * change.isel(parameter=parameter)
-            for name, change in directions.items()
-            if name.endswith("_sensitivity")
-        }
-    )
+    moved = {}
+    for name in motion.data_vars:
+        if f"{name}_sensitivity" in directions:
+            moved[name] = motion[name] + step * directions[f"{name}_sensitivity"].isel(parameter=parameter)
+    return motion.assign(moved)

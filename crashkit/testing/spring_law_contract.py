@@ -1,12 +1,16 @@
 """The contract of spring laws: what a law declares, checked on its own function."""
 
 import inspect
+import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pytest
 
+from crashkit.mechanics import LawFunction
+from crashkit.mechanics.emit import emit
 from crashkit.protocols import ParameterSpec, SpringLaw
 
 Values = Mapping[str, float | Sequence[float]]
@@ -45,6 +49,11 @@ class SpringLawContract:
         """The law at these parameters, a function of d, ddot, d_max."""
         values = [_value(spec, parameters) for spec in law.parameters]
         return lambda d, ddot, d_max: float(law.force(d, ddot, d_max, *values))
+
+    @pytest.fixture
+    def derived(self, law: type[SpringLaw], parameters: Values) -> "Derived":
+        """What the engine makes of the law's source, before it is compiled."""
+        return Derived(law, parameters)
 
     def test_the_function_takes_the_state_and_the_declared_parameters(self, law: type[SpringLaw]) -> None:
         found = tuple(inspect.signature(law.force).parameters)
@@ -116,6 +125,20 @@ class SpringLawContract:
             for point in self._points():
                 assert force(*point) >= 0.0, f"{law.name} at {_where(point)}: expected 0 or more, found {force(*point):g}"
 
+    def test_the_engine_reads_the_function_right(self, derived: "Derived", force: Force) -> None:
+        for point in self._points():
+            found, expected = derived.value(point), force(*point)
+            assert found == pytest.approx(expected, rel=1e-9, abs=1e-12), (
+                f"at {_where(point)}: expected {expected}, found {found}"
+            )
+
+    def test_the_engine_derives_the_function_right(self, law: type[SpringLaw], derived: "Derived") -> None:
+        for point in self._points():
+            for name, found, expected, error in derived.slopes(point):
+                assert abs(found - expected) <= error, (
+                    f"the derivative of {law.name} to {name} at {_where(point)}: expected {expected:g}, found {found:g}"
+                )
+
     def _points(self, count: int = 200) -> Iterator[Point]:
         """States that a joint can be in: half of them being loaded further than ever before."""
         random = np.random.default_rng(0)
@@ -144,6 +167,47 @@ def _value(spec: ParameterSpec, parameters: Values) -> float | Sequence[float]:
     if value is None:
         pytest.fail(f"the fixture parameters: expected a value for {spec.name}, which has no default")
     return value
+
+
+class Derived:
+    """The functions that the engine writes for a law, run as plain Python."""
+
+    def __init__(self, law: type[SpringLaw], parameters: Values) -> None:
+        values = {spec.name: np.atleast_1d(_value(spec, parameters)).astype(float) for spec in law.parameters}
+        sizes = tuple(values[spec.name].size for spec in law.parameters if spec.vector)
+        self.vector = np.concatenate([*values.values(), np.empty(0)])
+        self.names = [*STATE, *(spec.name for spec in law.parameters for _ in values[spec.name])]
+        self.movable = [True] * len(STATE) + [
+            spec.free and value not in (0.0, spec.null) for spec in law.parameters for value in values[spec.name]
+        ]
+        self.written: dict[str, Any] = {"math": math, "compiled": lambda function: function, "power_slope": _power_slope}
+        exec(emit(LawFunction(law, sizes), "law"), self.written)
+
+    def value(self, point: Point) -> float:
+        """The value with the branches that the state takes."""
+        return float(self.written["law_frozen"](self._mode(point, self.vector), *point, self.vector, 0)[0])
+
+    def slopes(self, point: Point) -> Iterator[tuple[str, float, float, float]]:
+        """By name: the derivative, the central difference and its error; without those for which the branch changes."""
+        inputs = np.array([*point, *self.vector])
+        found = np.empty(inputs.size)
+        mode = self._mode(point, self.vector)
+        self.written["law_partials"](mode, *point, self.vector, 0, found)
+        for index in np.flatnonzero(self.movable):
+            step = 1e-5 * (abs(inputs[index]) or 1.0)
+            moved = [inputs + sign * step * (np.arange(inputs.size) == index) for sign in (1.0, -1.0)]
+            if all(self._mode(near[:3], near[3:]) == mode for near in moved):
+                above, below = (float(self.written["law_frozen"](mode, *near[:3], near[3:], 0)[0]) for near in moved)
+                expected = (above - below) / (2.0 * step)
+                error = 1e-5 * max(abs(expected), abs(found[index])) + 1e-9 * (abs(above) + abs(below)) / step + 1e-12
+                yield self.names[index], float(found[index]), expected, error
+
+    def _mode(self, state: Iterable[float], vector: np.ndarray) -> int:
+        return int(self.written["law_mode"](*state, vector, 0))
+
+
+def _power_slope(base: float, exponent: float) -> float:
+    return base**exponent * math.log(base) if base > 0.0 else 0.0
 
 
 def _where(point: Point) -> str:

@@ -41,7 +41,7 @@ def datasets(draw: st.DrawFn, schema: GroupSchema) -> xr.Dataset:
     dims = {variable.name: tuple(draw(st.sampled_from(dim.split("|"))) for dim in variable.dims) for variable in present}
     labels = {dim: draw(_labels(dim)) for dim in dict.fromkeys(dim for used in dims.values() for dim in used)}
     variables = {
-        variable.name: (dims[variable.name], draw(_values(variable, [len(labels[dim]) for dim in dims[variable.name]])))
+        variable.name: (dims[variable.name], draw(_values(variable, tuple(len(labels[dim]) for dim in dims[variable.name]))))
         for variable in present
     }
     units = {variable.name: {"units": variable.units} for variable in present if variable.units is not None}
@@ -90,7 +90,7 @@ def models(draw: st.DrawFn, laws: Mapping[str, type[SpringLaw]]) -> Model:
     """Models in one axis of one to three free bodies and perhaps an obstacle, joined by these laws and factors."""
     labels = draw(st.lists(names(), min_size=1, max_size=4, unique=True))
     fixed = [len(labels) > 1 and draw(st.booleans()), *([False] * (len(labels) - 1))]
-    bodies = tuple(draw(_bodies(name, held)) for name, held in zip(labels, fixed, strict=True))
+    bodies = tuple(draw(_bodies(name, held, labels)) for name, held in zip(labels, fixed, strict=True))
     joints = draw(st.lists(names(), max_size=3, unique=True)) if len(labels) > 1 else []
     errors = draw(st.lists(st.tuples(names(), st.just("") | names()), max_size=2, unique=True))
     return Model(
@@ -116,7 +116,7 @@ def _labels(dim: str) -> st.SearchStrategy[np.ndarray]:
 
 
 @st.composite
-def _values(draw: st.DrawFn, variable: Variable, shape: list[int]) -> np.ndarray:
+def _values(draw: st.DrawFn, variable: Variable, shape: tuple[int, ...]) -> np.ndarray:
     if variable.kind == "text":
         return draw(arrays("<U12", shape, elements=names()))
     if variable.kind == "flag":
@@ -128,12 +128,13 @@ def _values(draw: st.DrawFn, variable: Variable, shape: list[int]) -> np.ndarray
 
 
 @st.composite
-def _bodies(draw: st.DrawFn, name: str, fixed: bool) -> Body:
+def _bodies(draw: st.DrawFn, name: str, fixed: bool, bodies: list[str]) -> Body:
     position = (draw(_NUMBERS),)
     if fixed:
         return Body(name, position, (0.0,), fixed=True)
     mass = draw(parameters(_MASS).filter(lambda mass: mass.fixed or mass.lower >= 0.0))
-    return Body(name, position, (draw(_NUMBERS),), mass)
+    carrier = draw(st.sampled_from(["", *(other for other in bodies if other != name)]))
+    return Body(name, position, (draw(_NUMBERS),), mass, carrier=carrier)
 
 
 @st.composite

@@ -149,7 +149,7 @@ def initial_state(model: Model, speed: float) -> xr.Dataset:
 def recording(motion: xr.Dataset, title: str = "toy") -> xr.DataTree:
     """A recording of a motion without noise: film and an accelerometer on every body that moves."""
     moving = [name for name in motion["body"].values.tolist() if np.ptp(motion["position"].sel(body=name).values) > 0.0]
-    seen = motion.sel(body=moving).transpose("time", "body", "axis")
+    seen = motion[["position", "acceleration"]].sel(body=moving).transpose("time", "body", "axis")
     return xr.DataTree.from_dict(
         {
             "/": xr.Dataset(attrs={"crashkit_schema": "recording/1", "title": title}),
@@ -205,7 +205,9 @@ def _spring(name: str, bodies: tuple[str, str], stiffness: float) -> Joint:
         "densification_deformation": GAMMA,
         "densification_stiffness": BETA * stiffness,
     }
-    return Joint(name, bodies, "crush_plateau", {key: _free(value) for key, value in values.items()})
+    absent = ("unloading_stiffness", "rate_coefficient", "clearance", "tension")
+    parameters = {key: _free(value) for key, value in values.items()} | dict.fromkeys(absent, Parameter(0.0, fixed=True))
+    return Joint(name, bodies, "crush_plateau", parameters)
 
 
 def _free(value: float) -> Parameter:

@@ -42,7 +42,9 @@ def test_a_motion_that_breaks_the_contract_is_not_written(tmp_path, motion):
 
 def test_a_file_that_is_no_motion_is_refused(tmp_path, motion):
     motion[["joint_bodies"]].to_netcdf(tmp_path / "motion.nc")
-    with pytest.raises(ContractError, match=r"motion.nc: motion: expected at least one of position, velocity, .*, found none$"):
+    with pytest.raises(
+        ContractError, match=r"motion.nc: motion: expected at least one of position, velocity, .*, found none$"
+    ):
         read_motion(tmp_path / "motion.nc")
 
 

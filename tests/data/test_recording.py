@@ -77,7 +77,6 @@ class TestOtherTools:
 
     def test_a_file_written_by_hand_with_xarray(self, tmp_path, film, accelerometer, initial, schemas):
         root = xr.Dataset(attrs={"crashkit_schema": "recording/1", "title": "by hand"})
-        film["marker_body"] = film["marker_body"].astype(object)
         groups = {"/": root, "initial": initial, "film": film, "accelerometer": accelerometer}
         xr.DataTree.from_dict(groups).to_netcdf(tmp_path / "run.nc")
         found = read_recording(tmp_path / "run.nc", schemas)

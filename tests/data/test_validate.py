@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from crashkit.data.schema import GroupSchema, Variable
@@ -57,6 +57,7 @@ class TestKept:
         film = with_values(film, "marker_body", np.array(["engine", "body"], dtype=object))
         assert lines(film, schemas["film"]) == []
 
+    @settings(deadline=None)
     @given(st.data())
     def test_whatever_keeps_a_schema_has_no_fault(self, schemas, data):
         schema = data.draw(st.sampled_from([*schemas.values(), INITIAL, MOTION]))
@@ -71,7 +72,9 @@ class TestStructure:
 
     def test_dims_out_of_order(self, film, schemas):
         film["position"] = film.position.transpose("marker", "time", "axis")
-        assert lines(film, schemas["film"]) == ["film/position: expected dims (time, marker, axis), found (marker, time, axis)"]
+        assert lines(film, schemas["film"]) == [
+            "film/position: expected dims (time, marker, axis), found (marker, time, axis)"
+        ]
 
     def test_dim_too_many(self, film, schemas):
         film["position"] = film.position.expand_dims("view")
@@ -260,6 +263,7 @@ def test_every_fault_is_in_one_error(film, schemas):
         check(film, schemas["film"], "run_1.nc")
 
 
+@settings(deadline=None)
 @given(motions(), st.data())
 def test_every_variable_in_turn_is_checked_for_units(motion, data):
     name = data.draw(st.sampled_from(sorted(motion.data_vars)))

@@ -35,6 +35,7 @@ def peer_scores(peer: ModuleType, reference: np.ndarray, simulated: np.ndarray) 
     return [float(part(ndigits=-1)) for part in parts]
 
 
+@pytest.mark.slow  # the other implementation compiles for seconds
 @pytest.mark.parametrize("delay", [0, 15, -40, 150])
 @pytest.mark.parametrize("gain", [1.0, 0.85, 1.4])
 def test_a_crash_pulse_is_rated_as_by_the_independent_implementation(peer: ModuleType, delay: int, gain: float) -> None:
@@ -44,6 +45,7 @@ def test_a_crash_pulse_is_rated_as_by_the_independent_implementation(peer: Modul
     assert scores(rating(reference, simulated, INTERVAL)) == pytest.approx(peer_scores(peer, reference, simulated), abs=1e-9)
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(seed=st.integers(0, 10_000), count=st.integers(30, 400), noise=st.floats(0.0, 3.0))
 def test_random_walks_are_rated_as_by_the_independent_implementation(

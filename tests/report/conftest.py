@@ -1,4 +1,4 @@
-"""A diagnosis made by hand: a mass against a wall, whose joint leaves out the effect of rate, and a sensor with a wrong gain."""
+"""A diagnosis made by hand: a mass at a wall whose joint leaves out the effect of rate, and a sensor with a wrong gain."""
 
 import numpy as np
 import pytest

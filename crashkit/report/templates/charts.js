@@ -1,6 +1,7 @@
 "use strict";
 // Charts are drawn when they come near the window, so that a page with many opens at once; before printing, all of them.
 const CONFIG = { displayModeBar: false, responsive: true };
+const PRINTED_WIDTH = 320; // pixels: two columns on A4
 
 function draw(plot) {
   const source = plot.querySelector("script");
@@ -10,7 +11,9 @@ function draw(plot) {
   Plotly.newPlot(plot, figure.data, figure.layout, CONFIG);
 }
 
-const eachDrawing = (action) => document.querySelectorAll(".main-svg").forEach(action);
+function resize(plot, width) {
+  Plotly.relayout(plot, { width, autosize: width === null });
+}
 
 window.addEventListener("DOMContentLoaded", () => {
   const plots = document.querySelectorAll(".plot");
@@ -19,10 +22,6 @@ window.addEventListener("DOMContentLoaded", () => {
     { rootMargin: "800px" },
   );
   plots.forEach((plot) => observer.observe(plot));
-  window.addEventListener("beforeprint", () => {
-    plots.forEach(draw);
-    // With a view box a drawing shrinks to the column of the paper.
-    eachDrawing((svg) => svg.setAttribute("viewBox", `0 0 ${svg.getAttribute("width")} ${svg.getAttribute("height")}`));
-  });
-  window.addEventListener("afterprint", () => eachDrawing((svg) => svg.removeAttribute("viewBox")));
+  window.addEventListener("beforeprint", () => plots.forEach((plot) => { draw(plot); resize(plot, PRINTED_WIDTH); }));
+  window.addEventListener("afterprint", () => plots.forEach((plot) => resize(plot, null)));
 });

@@ -2,9 +2,9 @@
 
 import math
 from collections.abc import Callable, Mapping
-from itertools import combinations
+from itertools import pairwise
 
-from crashkit.testing.concealed.effect import Effect, Stage
+from crashkit.testing.concealed.effect import Answer, Effect, Stage
 from crashkit.testing.concealed.vehicle import Scene
 from crashkit.testing.concealed.world import GROUND, WorldJoint
 
@@ -36,11 +36,11 @@ def missing_contact(stage: Stage) -> Effect | None:
 
 
 def _unjoined_pair(stage: Stage) -> tuple[str, str, float] | None:
-    """Two bodies without a joint, and how near they come in the fastest calibration run, m."""
+    """Neighbours, or the obstacle and any body, without a joint; and how near they come in the fastest calibration run, m."""
     scene, trace = stage.scene, stage.traces[2]
     joined = {frozenset((joint.front, joint.back)) for joint in scene.world.joints.values()}
     pairs = []
-    for front, back in combinations([scene.obstacle, *scene.bodies], 2):
+    for front, back in [*pairwise(scene.bodies), *((scene.obstacle, body) for body in scene.bodies)]:
         distance = trace.position[front] - trace.position[back]
         approach = float(distance[0] - distance.min())
         if frozenset((front, back)) not in joined and approach > 0.03:
@@ -57,7 +57,11 @@ def ground_friction(stage: Stage) -> Effect:
     def change(scene: Scene, numbers: Mapping[str, float]) -> None:
         scene.world.bodies[body].update(numbers)
 
-    return Effect("ground_friction", form, "body", body, fields, change, ("friction",), (0.05, 5.0))
+    rivals: tuple[Answer, ...] = ()
+    if "wall" not in stage.scene.instruments:  # then a joint to the obstacle could brake the body just as well
+        joints = [name for name in stage.scene.public_joints if stage.scene.world.joints[name].back == body]
+        rivals = tuple(("joint_friction", "joint", name) for name in joints if not stage.is_mount(name))
+    return Effect("ground_friction", form, "body", body, fields, change, ("friction",), (0.05, 5.0), rivals)
 
 
 def added_mass(stage: Stage) -> Effect | None:

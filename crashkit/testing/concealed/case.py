@@ -26,7 +26,8 @@ PHYSICS = (*EFFECTS, "null", "pair")
 SIZES = {"small": (15.0, 60.0), "middle": (60.0, 400.0), "gross": (400.0, 6000.0)}
 """Standard deviations that a secret leaves after tuning, over all runs together."""
 
-_ATTEMPTS = 100
+_ATTEMPTS = 50
+_VISIBLE = (SIZES["small"][0], SIZES["gross"][1])
 _OFF = 0.15  # how far the public numbers are off, at most
 
 
@@ -62,7 +63,12 @@ class Draft:
     base: Scene
     scene: Scene
     secrets: list[Secret]
-    size: str | None
+
+    @property
+    def size(self) -> str | None:
+        """The size of the least visible secret."""
+        least = min((secret.sigmas for secret in self.secrets), default=None)
+        return None if least is None else next(name for name, (_, most) in SIZES.items() if least <= most)
 
 
 def make_case(
@@ -128,13 +134,13 @@ def draw_draft(rng: np.random.Generator, names: Sequence[str], size: str | None)
     if size is not None and size not in SIZES:
         raise ValueError(f"expected a size among {', '.join(SIZES)}, found {size}")
     for _ in range(_ATTEMPTS):
-        draft = _try(rng, names, size or str(rng.choice(list(SIZES))))
+        draft = _try(rng, names, size)
         if draft is not None:
             return draft
     raise ValueError(f"expected {' and '.join(names)} in a {size or 'visible'} size, found no vehicle that shows it so")
 
 
-def _try(rng: np.random.Generator, names: Sequence[str], size: str) -> Draft | None:
+def _try(rng: np.random.Generator, names: Sequence[str], size: str | None) -> Draft | None:
     sensor_fault = any(name in SENSOR_EFFECTS for name in names)
     scene = draw_scene(rng, wall=True if "added_mass" in names else None, complete=sensor_fault)
     if not _is_sane(scene):
@@ -145,16 +151,16 @@ def _try(rng: np.random.Generator, names: Sequence[str], size: str) -> Draft | N
     if None in effects or len({str(effect.place) for effect in effects if effect}) < len(effects):
         return None
     if not effects:
-        return Draft(scene, scene, [], None)
+        return Draft(scene, scene, [])
     secrets = _calibrated(scene, [effect for effect in effects if effect], size, rng)
     full = scene
     for secret in secrets or ():
         full = secret.effect.into(full, secret.strength)
-    return Draft(scene, full, secrets, size) if secrets and _is_sane(full) else None
+    return Draft(scene, full, secrets) if secrets and _is_sane(full) else None
 
 
-def _calibrated(scene: Scene, effects: list[Effect], size: str, rng: np.random.Generator) -> list[Secret] | None:
-    """Each effect at a strength of the wanted size, none hidden by the parameters and the others together."""
+def _calibrated(scene: Scene, effects: list[Effect], size: str | None, rng: np.random.Generator) -> list[Secret] | None:
+    """Each effect at a strength of the wanted size or any visible one, none hidden by the others."""
     tuning = Tuning.of(scene)
     secrets = [_at_size(tuning, effect, size, rng) for effect in effects]
     found = [secret for secret in secrets if secret is not None]
@@ -163,17 +169,17 @@ def _calibrated(scene: Scene, effects: list[Effect], size: str, rng: np.random.G
     seen = [signals(secret.effect.into(scene, secret.strength)) for secret in found]
     for index in range(len(found)) if len(found) > 1 else ():
         others = np.stack([it - tuning.base for number, it in enumerate(seen) if number != index], 1)
-        if tuning.left(seen[index], beside=others) < 0.75 * SIZES[size][0]:
+        if tuning.left(seen[index], beside=others) < _VISIBLE[0]:
             return None
     return found
 
 
-def _at_size(tuning: Tuning, effect: Effect, size: str, rng: np.random.Generator) -> Secret | None:
-    """Try the natural strength first, then halve the interval of strengths."""
+def _at_size(tuning: Tuning, effect: Effect, size: str | None, rng: np.random.Generator) -> Secret | None:
+    """Try a random strength first, then halve the interval of strengths."""
     low, high = (math.log(limit) for limit in effect.limits)
-    least, most = SIZES[size]
+    least, most = SIZES[size] if size else _VISIBLE
     wanted = math.exp(rng.uniform(math.log(least), math.log(most)))
-    strength = 1.0
+    strength = math.exp(rng.uniform(low, high))
     for _ in range(8):
         sigmas = tuning.left(signals(effect.into(tuning.scene, strength)))
         if least <= sigmas <= most:

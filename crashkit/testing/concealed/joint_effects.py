@@ -2,7 +2,9 @@
 
 from collections.abc import Callable, Mapping
 
-from crashkit.testing.concealed.effect import Effect, Stage
+from attrs import evolve
+
+from crashkit.testing.concealed.effect import Answer, Effect, Stage
 from crashkit.testing.concealed.vehicle import Scene
 
 
@@ -11,13 +13,15 @@ def _in_joint(
     form: str,
     joint: str,
     fields: Mapping[str, float],
-    scaled: str,
+    scaled: str | tuple[str, ...],
     limits: tuple[float, float] = (0.02, 4.0),
 ) -> Effect:
+    scaled = (scaled,) if isinstance(scaled, str) else scaled
+
     def change(scene: Scene, numbers: Mapping[str, float]) -> None:
         scene.world.joints[joint].fields.update(numbers)
 
-    return Effect(physics, form, "joint", joint, fields, change, (scaled,), limits)
+    return Effect(physics, form, "joint", joint, fields, change, scaled, limits)
 
 
 def rate_dependence(stage: Stage) -> Effect:
@@ -50,7 +54,7 @@ def plastic_unloading(stage: Stage) -> Effect:
     stage.scene.world.joints[joint].fields.pop("unloading_stiffness", None)  # what the model believes
     power = 1.0 if form == "line" else stage.rng.uniform(1.5, 3.0)
     fields = {"unloading_stiffness": stiffness, "unloading_power": power, "plastic_share": 1.0}
-    return _in_joint("plastic_unloading", form, joint, fields, "plastic_share", (0.01, 1.0))
+    return _in_joint("plastic_unloading", form, joint, fields, "plastic_share", (0.6, 1.0))
 
 
 def clearance(stage: Stage) -> Effect:
@@ -58,7 +62,7 @@ def clearance(stage: Stage) -> Effect:
     joint, form = stage.joint(), stage.one_of(("sharp", "soft"))
     gap = stage.rng.uniform(0.1, 0.4) * stage.deepest(joint)
     fields = {"gap": gap, "gap_softness": gap * stage.rng.uniform(0.1, 0.25) * (form == "soft")}
-    return _in_joint("clearance", form, joint, fields, "gap", (0.05, 2.0))
+    return _in_joint("clearance", form, joint, fields, ("gap", "gap_softness"), (0.05, 2.0))
 
 
 def peak_load(stage: Stage) -> Effect:
@@ -142,7 +146,7 @@ def joint_friction(stage: Stage) -> Effect:
         "friction_velocity": 0.02 if form == "sharp" else stage.rng.uniform(0.2, 0.8),
         "friction_always": float(stage.is_mount(joint)),
     }
-    return _in_joint("joint_friction", form, joint, fields, "friction")
+    return _or_on_body(stage, _in_joint("joint_friction", form, joint, fields, "friction"), "ground_friction")
 
 
 def unknown(stage: Stage) -> Effect:
@@ -159,11 +163,20 @@ def unknown(stage: Stage) -> Effect:
         )
     if form == "rate_hump":
         fields = {"rate_hump_size": 0.4, "rate_hump_reference": stage.rng.uniform(0.2, 0.35) * stage.fastest(joint)}
-        return _in_joint("unknown", form, joint, fields, "rate_hump_size")
+        effect = _in_joint("unknown", form, joint, fields, "rate_hump_size")
+        return evolve(effect, rivals=(("rate_dependence", "joint", joint),))  # half of it is
     frequency = 0.0 if form == "timed_pulse" else stage.rng.uniform(60.0, 150.0)
     width = stage.rng.uniform(0.005, 0.015) * (1.0 if form == "timed_pulse" else 3.0)
     fields = {"pulse_force": 0.4 * force, "pulse_time": width + 0.01, "pulse_width": width, "pulse_frequency": frequency}
-    return _in_joint("unknown", form, joint, fields, "pulse_force")
+    return _or_on_body(stage, _in_joint("unknown", form, joint, fields, "pulse_force"), "unknown")
+
+
+def _or_on_body(stage: Stage, effect: Effect, physics: str) -> Effect:
+    """A force between the obstacle and a body is a force on the body, unless the obstacle's side of it is measured."""
+    if stage.is_mount(effect.place) or "wall" in stage.scene.instruments:
+        return effect
+    answer: Answer = (physics, "body", stage.scene.world.joints[effect.place].back)
+    return evolve(effect, rivals=(answer,))
 
 
 JOINT_EFFECTS: dict[str, Callable[[Stage], Effect | None]] = {

@@ -50,7 +50,7 @@ class Tuning:
         return cls(scene, base, paths, np.stack(columns, 1))
 
     def left(self, target: np.ndarray, rounds: int = 2, beside: np.ndarray | None = None) -> float:
-        """The misfit to `target` that tuning leaves, in standard deviations; with `beside`, other directions may be used too."""
+        """The misfit to `target` that tuning leaves, in standard deviations; `beside`: directions that may be used too."""
         jacobian = self.jacobian if beside is None else np.column_stack([self.jacobian, beside])
         solve = np.linalg.inv(jacobian.T @ jacobian + np.eye(jacobian.shape[1]) / _FREEDOM**2) @ jacobian.T
         change, residual = np.zeros(len(self.paths)), target - self.base

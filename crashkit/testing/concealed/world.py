@@ -11,8 +11,8 @@ import numba
 import numpy as np
 from attrs import define, frozen
 
-STEP = 2.5e-6  # s
-STRIDE = 4  # steps between two stored states
+STEP = 5e-6  # s
+STRIDE = 2  # steps between two stored states
 GROUND = "ground"  # the body on which an obstacle stands that is not fixed
 
 # Every effect that a joint can have, with the value at which it is absent.
@@ -245,7 +245,9 @@ def _integrate(bodies: Any, joints: Any, speed: float, steps: int) -> tuple[np.n
     for step in range(steps):
         time, row = step * STEP, step // STRIDE
         for i in range(len(bodies)):
-            net[i] = -bodies[i].friction * math.tanh(velocity[i] / bodies[i].friction_velocity)
+            net[i] = 0.0
+            if bodies[i].friction != 0.0:
+                net[i] = -bodies[i].friction * math.tanh(velocity[i] / bodies[i].friction_velocity)
         for j in range(len(joints)):
             joint = joints[j]
             front, back, side = joint.front, joint.back, joint.side

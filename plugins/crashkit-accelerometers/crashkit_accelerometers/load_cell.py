@@ -15,7 +15,7 @@ from crashkit_accelerometers.sensor_channel import (
 
 
 class LoadCell(Observer):
-    """One load cell takes the whole force of the joints on its body: F(t) = filter(gain F_contact(t - clock_offset) + bias)."""
+    """A load cell takes the whole force of the joints on its body: F(t) = filter(gain F_contact(t - clock_offset) + bias)."""
 
     name = "load_cell"
     schema = GroupSchema(

@@ -1,4 +1,4 @@
-"""From a quantity of the bodies to the recorded channels of sensors: interpolation, the sensors' errors, the channel's filter."""
+"""From a quantity of the bodies to the recorded channels of sensors: interpolation, errors, filter."""
 
 from collections.abc import Sequence
 
@@ -167,5 +167,6 @@ def _interpolate(
                 start = values[right[time] - 1, bodies[sensor], axes[axis]]
                 end = values[right[time], bodies[sensor], axes[axis]]
                 for parameter in range(values.shape[3]):
-                    result[time, sensor, axis, parameter] = start[parameter] + weight[time] * (end[parameter] - start[parameter])
+                    step = end[parameter] - start[parameter]
+                    result[time, sensor, axis, parameter] = start[parameter] + weight[time] * step
     return result

@@ -59,7 +59,7 @@ class TestAccelerometerContract(ObserverContract):
 
     @pytest.fixture
     def instrument(self) -> xr.Dataset:
-        return accelerometer_at(np.arange(1201) * 1e-4)
+        return accelerometer_at(np.arange(1101) * 1e-4)
 
 
 class TestFilteredAccelerometerContract(TestAccelerometerContract):
@@ -67,7 +67,7 @@ class TestFilteredAccelerometerContract(TestAccelerometerContract):
 
     @pytest.fixture
     def instrument(self) -> xr.Dataset:
-        return accelerometer_at(np.arange(1201) * 1e-4, cfc=180)
+        return accelerometer_at(np.arange(1101) * 1e-4, cfc=180)
 
 
 class TestLoadCellContract(ObserverContract):
@@ -77,7 +77,7 @@ class TestLoadCellContract(ObserverContract):
 
     @pytest.fixture
     def instrument(self) -> xr.Dataset:
-        return load_cell_at(np.arange(1201) * 1e-4)
+        return load_cell_at(np.arange(1101) * 1e-4)
 
 
 def test_each_sensor_shows_its_own_body(motion: xr.Dataset) -> None:

@@ -18,7 +18,7 @@ DIMS = ("time", "marker", "axis")
 class Film(Observer):
     """Markers on bodies that do not turn.
 
-    z(t) = x_0 + gain (x(t - clock_offset) - x_0) + bias, x being the body's position plus the marker's point and x_0 its first.
+    z(t) = x_0 + gain (x(t - clock_offset) - x_0) + bias, x the body's position plus the marker's point and x_0 its first.
     """
 
     name = "film"

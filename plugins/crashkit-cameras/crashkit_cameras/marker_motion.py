@@ -28,7 +28,7 @@ def error_values(observer: Observer, markers: Sequence[str], errors: SensorError
 
 
 def selection(motion: xr.Dataset, instrument: xr.Dataset) -> Callable[[str], np.ndarray]:
-    """Picks, of a variable of the motion, each marker's body and axes: (time, body, axis, ...) to (time, marker, axis, ...)."""
+    """Picks, of a motion's variable, each marker's body and axes: (time, body, axis, ...) to (time, marker, axis, ...)."""
     bodies = _rows(motion, "body", instrument.variables["marker_body"].values)
     axes = _rows(motion, "axis", instrument.variables["axis"].values)
 

@@ -43,7 +43,7 @@ class TestFilmContract(ObserverContract):
 
     @pytest.fixture
     def instrument(self) -> xr.Dataset:
-        return film_at(np.arange(101) * 1e-3)
+        return film_at(np.arange(91) * 1e-3)
 
     @pytest.fixture
     def motion(self) -> xr.Dataset:

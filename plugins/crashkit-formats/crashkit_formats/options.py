@@ -1,7 +1,8 @@
 """The options of an import, parsed from text."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from attrs import field, frozen
 
@@ -31,7 +32,7 @@ class Options:
 
 def parse_options(texts: Mapping[str, str]) -> Options:
     """The options from what the user wrote; raises CrashkitError."""
-    parsers = {
+    parsers: dict[str, Callable[[str, str], Any]] = {
         "window": _interval,
         "channel_frequency_class": _filter_class,
         "zero": lambda name, text: None if text == "off" else _interval(name, text),

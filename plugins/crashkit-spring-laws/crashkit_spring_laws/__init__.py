@@ -6,9 +6,11 @@ from crashkit_spring_laws.dampers import Coulomb, Viscous
 from crashkit_spring_laws.piecewise_affine import PiecewiseAffine
 from crashkit_spring_laws.rate_factors import RateLinear, RateLogarithm, RatePower
 from crashkit_spring_laws.stops import LinearStop, QuadraticStop, TensionSpring
+from crashkit_spring_laws.tie import Tie
 from crashkit_spring_laws.tables import RateTable, SmoothTable
 
 SPRING_LAWS = (
+    Tie,
     CrushPlateau,
     PiecewiseAffine,
     RateLinear,

@@ -1,54 +1,50 @@
-"""Forces estimated from data: values at knots, with no assumption on the shape."""
+"""Forces estimated from data: a sum of bumps, with no assumption on the shape."""
+
+import math
 
 from crashkit.protocols import ParameterSpec, SpringLaw
 from crashkit_spring_laws.shared import ENGAGEMENT
 
-FORCE = ParameterSpec("force", "N", "force at the knots, of either sign", vector=True, null=0.0)
+FORCE = ParameterSpec("force", "N", "heights of the bumps, of either sign", vector=True, null=0.0)
+WIDTH = 0.8
+"""Of a bump, in distances between bumps: wide enough to overlap smoothly, narrow enough to be told apart."""
 
 
 class SmoothTable(SpringLaw):
-    """A force of the deformation, linear between knots: 0 up to d = 0, force[i] at (i + 1) range / n, constant after the last."""
+    """A smooth force of the deformation: bumps at even distances between d = 0 and d = range.
+
+    F = min(1, max(0, d) / engagement) sum_i force[i] exp(-((n d / range - i - 1/2) / 0.8)^2).
+    """
 
     name = "smooth_table"
     passive = False
-    parameters = (
-        FORCE,
-        ParameterSpec("range", "m", "deformation at the last knot", lower=1e-6, free=False),
-    )
-
-    @staticmethod
-    def force(d: float, ddot: float, d_max: float, force: list[float], range: float) -> float:
-        """The force, N, compression positive."""
-        knot = d / range * len(force)
-        total = 0.0
-        previous = 0.0
-        for i, value in enumerate(force):
-            total = total + (value - previous) * max(0.0, min(1.0, knot - i))
-            previous = value
-        return total
-
-
-class RateTable(SpringLaw):
-    """A force of the rate while in contact, linear between knots from -range to range, constant beyond.
-
-    F = table(ddot) min(1, max(0, d) / engagement).
-    """
-
-    name = "rate_table"
-    passive = False
-    parameters = (
-        FORCE,
-        ParameterSpec("range", "m s-1", "rate at the last knot", lower=1e-6, free=False),
-        ENGAGEMENT,
-    )
+    parameters = (FORCE, ParameterSpec("range", "m", "deformation that the bumps cover", lower=1e-6, free=False), ENGAGEMENT)
 
     @staticmethod
     def force(d: float, ddot: float, d_max: float, force: list[float], range: float, engagement: float) -> float:
         """The force, N, compression positive."""
-        knot = (ddot / range + 1.0) / 2.0 * (len(force) - 1)
-        total = force[0]
-        previous = force[0]
-        for i, value in enumerate(force):
-            total = total + (value - previous) * max(0.0, min(1.0, knot + 1 - i))
-            previous = value
+        place = d / range * len(force)
+        total = 0.0
+        for i, height in enumerate(force):
+            total = total + height * math.exp(-(((place - i - 0.5) / WIDTH) ** 2))
+        return total * min(1.0, max(0.0, d) / engagement)
+
+
+class RateTable(SpringLaw):
+    """A smooth force of the rate while in contact: bumps at even distances between -range and range.
+
+    F = min(1, max(0, d) / engagement) sum_i force[i] exp(-((n (ddot / range + 1) / 2 - i - 1/2) / 0.8)^2).
+    """
+
+    name = "rate_table"
+    passive = False
+    parameters = (FORCE, ParameterSpec("range", "m s-1", "rate that the bumps cover, either way", lower=1e-6, free=False), ENGAGEMENT)
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, force: list[float], range: float, engagement: float) -> float:
+        """The force, N, compression positive."""
+        place = (ddot / range + 1.0) / 2.0 * len(force)
+        total = 0.0
+        for i, height in enumerate(force):
+            total = total + height * math.exp(-(((place - i - 0.5) / WIDTH) ** 2))
         return total * min(1.0, max(0.0, d) / engagement)

@@ -1,0 +1,66 @@
+import pytest
+import xarray as xr
+
+from crashkit.errors import ContractError
+from crashkit.model import Body, Joint, Model, Parameter
+from crashkit.model.checks import check_model, check_recording_against_model
+
+
+@pytest.fixture
+def model() -> Model:
+    return Model(
+        "sled",
+        ("x",),
+        (
+            Body("barrier", (0.0,), (0.0,), fixed=True),
+            Body("engine", (-0.5,), (10.0,), Parameter(280.0)),
+            Body("body", (-1.5,), (10.0,), Parameter(900.0, fixed=True)),
+        ),
+        (Joint("front", ("barrier", "engine"), "linear", {"stiffness": Parameter(1e6)}),),
+    )
+
+
+def recording(bodies: list[str], initial: list[str], axis: str = "x") -> xr.DataTree:
+    return xr.DataTree.from_dict(
+        {
+            "initial": xr.Dataset(coords={"body": initial, "axis": [axis]}),
+            "acc": xr.Dataset({"sensor_body": ("sensor", bodies)}, attrs={"observer": "accelerometer"}),
+            "notes": xr.Dataset({"driver_body": ("driver", ["nobody"])}),
+        }
+    )
+
+
+def test_a_free_mass_must_not_fall_below_zero(model, laws):
+    with pytest.raises(ContractError, match=r'^sled: body "engine"/mass: expected a lower bound of at least 0, found -inf$'):
+        check_model(model, laws, "sled")
+
+
+def test_a_program_may_leave_out_what_has_a_default(model, laws):
+    check_model(model.with_parameters({"body.engine.mass": Parameter(280.0, 1.0, 400.0)}), laws, "sled")
+
+
+def test_the_recording_of_this_model(model):
+    check_recording_against_model(recording(["engine", "barrier"], ["engine", "body"]), model, "run.nc")
+
+
+def test_a_sensor_on_a_body_that_is_not_there(model):
+    message = (
+        r'^run.nc: acc/sensor_body: expected bodies of the model \("barrier", "engine", "body"\), found "engin", "wheel"$'
+    )
+    with pytest.raises(ContractError, match=message):
+        check_recording_against_model(recording(["engin", "engine", "wheel"], ["engine"]), model, "run.nc")
+
+
+def test_the_initial_state_of_a_misspelt_body(model):
+    with pytest.raises(ContractError, match=r'^run.nc: initial/body: expected the model\'s "engine", found "engin"$'):
+        check_recording_against_model(recording(["engine"], ["engin", "body"]), model, "run.nc")
+
+
+def test_the_initial_state_of_more_bodies_or_fewer_is_no_fault(model):
+    check_recording_against_model(recording(["engine"], ["engine", "body", "cargo"]), model, "run.nc")
+    check_recording_against_model(recording(["engine"], ["engine"]), model, "run.nc")
+
+
+def test_an_initial_state_along_another_axis(model):
+    with pytest.raises(ContractError, match=r'^run.nc: initial/axis: expected the model\'s "x", found "y"$'):
+        check_recording_against_model(recording(["engine"], ["engine"], axis="y"), model, "run.nc")
