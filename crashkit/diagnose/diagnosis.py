@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
+from attrs import evolve
 
 from crashkit.diagnose.consistency import check_instruments
 from crashkit.diagnose.finding import estimates, experiment, make_finding, with_experiment
@@ -41,10 +42,19 @@ def diagnose(
     """
     progress("re-identifying the model", 0.0)
     equipped = workshop.rehearsed(model, recordings.values())
-    base = reidentify(equipped.identifier, equipped.first_misfit(model, recordings))
-    discovery = discover(equipped, base, progress)
-    progress("showing", 0.0)
-    return _told(equipped, discovery, holdout)
+    thin = equipped.thinned(recordings)
+    discovery = discover(equipped, reidentify(equipped.identifier, equipped.first_misfit(model, thin)), progress)
+    progress("refining on every sample", 0.0)
+    return _told(equipped, _refined(equipped, discovery, recordings), holdout)
+
+
+def _refined(workshop: Workshop, discovery: Discovery, recordings: Mapping[str, xr.DataTree]) -> Discovery:
+    """The base and the final model fitted to every sample; the search made do with thinner recordings."""
+    base, final = (
+        reidentify(workshop.identifier, workshop.first_misfit(misfit.model, recordings))
+        for misfit in (discovery.base, discovery.final)
+    )
+    return evolve(discovery, base=base.fitted(), final=final.fitted(), search=final)
 
 
 def _told(workshop: Workshop, discovery: Discovery, holdout: Mapping[str, xr.DataTree]) -> Diagnosis:

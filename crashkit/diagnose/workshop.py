@@ -9,6 +9,7 @@ from attrs import evolve, field, frozen
 
 from crashkit.mechanics import Engine, compile_engine, functions_of
 from crashkit.misfit import Misfit
+from crashkit.misfit.thin import thinned
 from crashkit.model import Model
 from crashkit.protocols import Hypothesis, Identifier, Observer, Smoother, SpringLaw
 
@@ -31,6 +32,11 @@ class Workshop:
     def first_misfit(self, model: Model, recordings: Mapping[str, xr.DataTree]) -> Misfit:
         """The misfit of a model to some recordings."""
         return Misfit(model, recordings, self.laws, self.observers, self.engine)
+
+    def thinned(self, recordings: Mapping[str, xr.DataTree]) -> dict[str, xr.DataTree]:
+        """The recordings at the rate of a search."""
+        quantities = {name: observer.quantity for name, observer in self.observers.items()}
+        return {run: thinned(recording, quantities) for run, recording in recordings.items()}
 
     def equipped(self, models: Iterable[Model]) -> "Workshop":
         """The same with an engine that also holds the laws of these models."""

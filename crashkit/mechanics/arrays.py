@@ -1,4 +1,4 @@
-"""The arrays that the compiled kernel works on, by name."""
+"""The arrays that the compiled kernel works on: what their entries are called."""
 
 from typing import NamedTuple
 
@@ -7,99 +7,86 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
+Records = NDArray[np.void]
 
 STAGES = 5
-"""Rows of a step: 0 where it starts, 1 to 3 the inner stages of the Runge-Kutta rule, 4 where it ends."""
+START, END = np.int64(0), np.int64(4)
+"""Rows of a step; 1 to 3 are the inner stages of the Runge-Kutta rule. (A plain 0 would be compiled as a type of its own.)"""
+
+POSITION, VELOCITY, ACCELERATION = 0, 1, 2
+"""Second index of `state` (stage, 3, body) and of its derivatives `tangent` (stage, 3, body, column)."""
+
+FORCE, DEFORMATION, D_MAX, REST = 0, 1, 2, 3
+"""Second index of the joints' derivatives `joint_tangent` (joint, 4, column)."""
+
+BODY = np.dtype(
+    [
+        ("inverse_mass", np.float64),  # kg-1, 0 for a fixed body
+        ("mass_column", np.int64),  # the column that is its mass, or -1
+    ],
+    align=True,
+)
+JOINT = np.dtype(
+    [
+        ("first", np.int64),  # its two bodies
+        ("second", np.int64),
+        ("direction", np.float64),  # +1 where the second body lies ahead of the first, else -1
+        ("rest", np.float64),  # m, distance between the bodies' centres at which the deformation is 0
+        ("start", np.int64),  # its functions: the first is its law, the others are factors
+        ("stop", np.int64),
+        ("force", np.float64),  # N, at the stage last evaluated
+        ("d_max", np.float64),  # m, largest deformation; out of date while the joint is loaded further
+        ("loading", np.int64),  # 1 while the joint is loaded beyond its largest deformation, so that d_max is d itself
+    ],
+    align=True,
+)
+FUNCTION = np.dtype(
+    [
+        ("number", np.int64),  # in the engine
+        ("mode", np.int64),  # its branches, one bit each
+        ("offset", np.int64),  # of its first parameter
+        ("count", np.int64),  # of its parameters
+        ("value", np.float64),  # when its derivatives were last evaluated
+    ],
+    align=True,
+)
 
 
-class Structure(NamedTuple):
-    """Bodies, joints and their functions; nothing in it changes during a run.
+class Work(NamedTuple):
+    """Everything that a run reads and changes, in the order in which the kernel takes it.
 
     Arguments:
-        inverse_mass: (body) kg-1, 0 for a fixed body.
-        first, second: (joint) index of the two bodies.
-        direction: (joint) +1 where the second body lies ahead of the first, else -1.
-        rest: (joint) m, the distance between the bodies' centres at which the deformation is 0.
-        start: (joint + 1) a joint's functions are start[joint] to start[joint + 1]; the first is its law, the others are factors.
-        function: (function) its number in the engine.
-        offset: (function + 1) its parameters are offset[function] to offset[function + 1] of `parameters`.
+        bodies, joints, functions: records as above.
         parameters: the numbers of all functions, one after another.
+        state: position, velocity and acceleration at each stage of a step.
+        columns: of each number of `parameters`, the column that it is, or -1.
+        tangent: derivatives of `state` to the columns.
+        joint_tangent: derivatives of each joint's force, deformation, largest deformation and rest to the columns.
+        partials: (function, 3 + parameters) derivatives of each function to d, ddot, d_max and its parameters.
     """
 
-    inverse_mass: Floats
-    first: Integers
-    second: Integers
-    direction: Floats
-    rest: Floats
-    start: Integers
-    function: Integers
-    offset: Integers
+    bodies: Records
+    joints: Records
+    functions: Records
     parameters: Floats
-
-
-class State(NamedTuple):
-    """Where the bodies are, and which branches the joints are on.
-
-    Arguments:
-        position, velocity, acceleration: (stage, body).
-        force: (joint) N, at the stage last evaluated.
-        d_max: (joint) m, the largest deformation reached; out of date while the joint is loaded further.
-        loading: (joint) 1 while the joint is loaded beyond its largest deformation, so that d_max is d itself.
-        mode: (function) its branches, one bit each.
-    """
-
-    position: Floats
-    velocity: Floats
-    acceleration: Floats
-    force: Floats
-    d_max: Floats
-    loading: Integers
-    mode: Integers
-
-
-class Tangent(NamedTuple):
-    """Derivatives of the state to the columns, the parameters asked for.
-
-    Arguments:
-        position, velocity, acceleration: (stage, body, column).
-        force, deformation, d_max, rest: (joint, column).
-        mass_column: (body) the column that is its mass, or -1.
-        parameter_column: (parameter) the column that is this number of `Structure.parameters`, or -1.
-        values: work space for the values of one joint's functions.
-        partials: and for their derivatives to d, ddot, d_max and their parameters, one row each.
-    """
-
-    position: Floats
-    velocity: Floats
-    acceleration: Floats
-    force: Floats
-    deformation: Floats
-    d_max: Floats
-    rest: Floats
-    mass_column: Integers
-    parameter_column: Integers
-    values: Floats
+    state: Floats
+    columns: Integers
+    tangent: Floats
+    joint_tangent: Floats
     partials: Floats
 
 
 class Record(NamedTuple):
-    """What a run leaves behind, at the times asked for.
+    """What a run leaves behind, at the times asked for; no rows of sensitivities where no columns are asked for.
 
     Arguments:
-        position, velocity, acceleration: (time, body).
-        deformation, deformation_rate, force: (time, joint).
-        position_sensitivity, velocity_sensitivity, acceleration_sensitivity: (time, body, column).
-        deformation_sensitivity, force_sensitivity: (time, joint, column).
+        state: (time, 3, body).
+        joints: (time, 3, joint), deformation, its rate and force.
+        tangent: (time, 3, body, column).
+        joint_tangent: (time, 2, joint, column), force and deformation.
     """
 
-    position: Floats
-    velocity: Floats
-    acceleration: Floats
-    deformation: Floats
-    deformation_rate: Floats
-    force: Floats
-    position_sensitivity: Floats
-    velocity_sensitivity: Floats
-    acceleration_sensitivity: Floats
-    deformation_sensitivity: Floats
-    force_sensitivity: Floats
+    state: Floats
+    joints: Floats
+    tangent: Floats
+    joint_tangent: Floats

@@ -24,6 +24,7 @@ HEADER = '''"""Written by crashkit.mechanics.engine; safe to delete."""
 
 import math
 
+from crashkit.mechanics.arrays import ACCELERATION, D_MAX, DEFORMATION, END, FORCE, POSITION, REST, START, VELOCITY
 from numba import njit
 
 compiled = njit(nogil=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)

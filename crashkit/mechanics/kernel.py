@@ -14,7 +14,7 @@ The functions below the line are not run from here: the engine writes them behin
 
 import math
 
-from crashkit.mechanics.arrays import Floats
+from crashkit.mechanics.arrays import ACCELERATION, D_MAX, DEFORMATION, END, FORCE, POSITION, REST, START, VELOCITY, Floats
 
 
 def compiled(function):  # type: ignore[no-untyped-def]
@@ -52,83 +52,80 @@ MAX_CROSSINGS = 1000
 
 
 @compiled
-def kinematics(structure, state, row, joint):
+def kinematics(joint, state, row):
     """Deformation and rate of a joint."""
-    a, b, s = structure.first[joint], structure.second[joint], structure.direction[joint]
-    d = structure.rest[joint] - s * (state.position[row, b] - state.position[row, a])
-    ddot = -s * (state.velocity[row, b] - state.velocity[row, a])
+    d = joint.rest - joint.direction * (state[row, POSITION, joint.second] - state[row, POSITION, joint.first])
+    ddot = -joint.direction * (state[row, VELOCITY, joint.second] - state[row, VELOCITY, joint.first])
     return d, ddot
 
 
 @compiled
-def joint_force(structure, state, joint, d, ddot):
+def joint_force(joint, functions, parameters, d, ddot):
     """Force of a joint on its frozen branches, and its smallest guard."""
-    d_max, guard = state.d_max[joint], state.d_max[joint] - d
-    if state.loading[joint]:
+    d_max, guard = joint.d_max, joint.d_max - d
+    if joint.loading:
         d_max, guard = d, ddot
     force = 1.0
-    for f in range(structure.start[joint], structure.start[joint + 1]):
-        value, distance = law_frozen(
-            structure.function[f], state.mode[f], d, ddot, d_max, structure.parameters, structure.offset[f]
-        )
+    for f in range(joint.start, joint.stop):
+        function = functions[f]
+        value, distance = law_frozen(function.number, function.mode, d, ddot, d_max, parameters, function.offset)
         force *= value
         guard = min(guard, distance)
     return force, guard
 
 
 @compiled
-def accelerate(structure, state, row):
+def accelerate(bodies, joints, functions, parameters, state, row):
     """Forces and accelerations at a stage; returns the smallest guard (minus infinity where a force is not finite) and its joint."""
-    acceleration = state.acceleration
-    for body in range(structure.inverse_mass.size):
-        acceleration[row, body] = 0.0
+    for body in range(bodies.size):
+        state[row, ACCELERATION, body] = 0.0
     smallest, culprit = math.inf, -1
-    for joint in range(structure.first.size):
-        d, ddot = kinematics(structure, state, row, joint)
-        force, guard = joint_force(structure, state, joint, d, ddot)
+    for j in range(joints.size):
+        joint = joints[j]
+        d, ddot = kinematics(joint, state, row)
+        force, guard = joint_force(joint, functions, parameters, d, ddot)
         if not math.isfinite(force):
             guard = -math.inf
         if guard < smallest:
-            smallest, culprit = guard, joint
-        state.force[joint] = force
-        acceleration[row, structure.first[joint]] -= structure.direction[joint] * force
-        acceleration[row, structure.second[joint]] += structure.direction[joint] * force
-    for body in range(structure.inverse_mass.size):
-        acceleration[row, body] *= structure.inverse_mass[body]
+            smallest, culprit = guard, j
+        joint.force = force
+        state[row, ACCELERATION, joint.first] -= joint.direction * force
+        state[row, ACCELERATION, joint.second] += joint.direction * force
+    for body in range(bodies.size):
+        state[row, ACCELERATION, body] *= bodies[body].inverse_mass
     return smallest, culprit
 
 
 @compiled
-def try_step(structure, state, h):
-    """A Runge-Kutta step of fourth order into row 4; returns the guard at its end with its joint, and the smallest inside."""
-    x, v, a = state.position, state.velocity, state.acceleration
-    bodies = structure.inverse_mass.size
-    inside = math.inf
-    for row in range(1, 4):
+def try_step(bodies, joints, functions, parameters, state, h):
+    """A Runge-Kutta step of fourth order from row 0 into row 4; returns the guard at its end with its joint, and the smallest inside."""
+    guard, culprit, inside = math.inf, -1, math.inf
+    for row in range(1, 5):
+        inside = min(inside, guard)
         part = h if row == 3 else 0.5 * h
-        for body in range(bodies):
-            x[row, body] = x[0, body] + part * v[row - 1, body]
-            v[row, body] = v[0, body] + part * a[row - 1, body]
-        inside = min(inside, accelerate(structure, state, row)[0])
-    for body in range(bodies):
-        x[4, body] = x[0, body] + h / 6.0 * (v[0, body] + 2.0 * (v[1, body] + v[2, body]) + v[3, body])
-        v[4, body] = v[0, body] + h / 6.0 * (a[0, body] + 2.0 * (a[1, body] + a[2, body]) + a[3, body])
-    guard, culprit = accelerate(structure, state, 4)
+        for q in range(2):
+            for body in range(bodies.size):
+                slope = state[row - 1, q + 1, body]
+                if row == 4:
+                    part = h / 6.0
+                    slope += state[START, q + 1, body] + 2.0 * (state[1, q + 1, body] + state[2, q + 1, body])
+                state[row, q, body] = state[START, q, body] + part * slope
+        guard, culprit = accelerate(bodies, joints, functions, parameters, state, row)
     return guard, culprit, inside
 
 
 @compiled
-def try_careful_step(structure, state, h, step):
+def try_careful_step(bodies, joints, functions, parameters, state, h, step):
     """A step, halved while a guard that is negative inside it is not at its end; returns its length, guard and joint."""
-    guard, culprit, inside = try_step(structure, state, h)
+    guard, culprit, inside = try_step(bodies, joints, functions, parameters, state, h)
     while inside < 0.0 and guard >= 0.0 and h > SHORTEST * step:
         h *= 0.5
-        guard, culprit, inside = try_step(structure, state, h)
+        guard, culprit, inside = try_step(bodies, joints, functions, parameters, state, h)
     return h, guard, culprit
 
 
 @compiled
-def locate(structure, state, h, guard_before, guard_after, step):
+def locate(bodies, joints, functions, parameters, state, h, guard_before, guard_after, step):
     """Shorten a step to end just past the first crossing (Illinois rule, a bisection every third time).
 
     Returns its length, and how far ahead of its end to look for the new branches: 0, or a little where the far side is not finite.
@@ -141,213 +138,190 @@ def locate(structure, state, h, guard_before, guard_after, step):
         trial = (low * high_guard - high * low_guard) / (high_guard - low_guard)
         if count % 3 == 0 or not low < trial < high:
             trial = 0.5 * (low + high)
-        guard = try_step(structure, state, trial)[0]
+        guard = try_step(bodies, joints, functions, parameters, state, trial)[0]
         if guard < 0.0:
             low_guard = 0.5 * low_guard if side < 0 else low_guard
             high, high_guard, side = trial, guard, -1
         else:
             high_guard = 0.5 * high_guard if side > 0 else high_guard
             low, low_guard, side = trial, guard, 1
-    if try_step(structure, state, high)[0] > -math.inf:
+    if try_step(bodies, joints, functions, parameters, state, high)[0] > -math.inf:
         return high, 0.0
-    try_step(structure, state, low)
+    try_step(bodies, joints, functions, parameters, state, low)
     return low, 2.0 * (high - low)
 
 
 @compiled
-def choose_branches(structure, state, tangent, ahead):
+def choose_branches(joints, functions, parameters, state, tangent, joint_tangent, ahead):
     """Take the branches anew from the state in row 0, looking `ahead` seconds; freeze or free the largest deformations."""
-    for joint in range(structure.first.size):
-        a, b, s = structure.first[joint], structure.second[joint], structure.direction[joint]
-        d, ddot = kinematics(structure, state, 0, joint)
+    for j in range(joints.size):
+        joint = joints[j]
+        a, b, s = joint.first, joint.second, joint.direction
+        d, ddot = kinematics(joint, state, START)
         d += ahead * ddot
-        ddot -= ahead * s * (state.acceleration[0, b] - state.acceleration[0, a])
-        if state.loading[joint]:
-            state.d_max[joint] = d
-            for c in range(tangent.rest.shape[1]):
-                tangent.d_max[joint, c] = tangent.rest[joint, c] - s * (tangent.position[0, b, c] - tangent.position[0, a, c])
-        state.loading[joint] = d >= state.d_max[joint] and ddot > 0.0
-        state.d_max[joint] = max(d, state.d_max[joint])
-        for f in range(structure.start[joint], structure.start[joint + 1]):
-            state.mode[f] = law_mode(
-                structure.function[f], d, ddot, state.d_max[joint], structure.parameters, structure.offset[f]
-            )
+        ddot -= ahead * s * (state[START, ACCELERATION, b] - state[START, ACCELERATION, a])
+        if joint.loading:
+            joint.d_max = d
+            for c in range(tangent.shape[3]):
+                apart = tangent[START, POSITION, b, c] - tangent[START, POSITION, a, c]
+                joint_tangent[j, D_MAX, c] = joint_tangent[j, REST, c] - s * apart
+        joint.loading = 1 if d >= joint.d_max and ddot > 0.0 else 0
+        joint.d_max = max(d, joint.d_max)
+        for f in range(joint.start, joint.stop):
+            function = functions[f]
+            function.mode = law_mode(function.number, d, ddot, joint.d_max, parameters, function.offset)
 
 
 @compiled
-def weight(structure, tangent, joint, f):
-    """Product of the values of a joint's other functions."""
-    start = structure.start[joint]
-    product = 1.0
-    for other in range(start, structure.start[joint + 1]):
-        if other != f:
-            product *= tangent.values[other - start]
-    return product
-
-
-@compiled
-def joint_partials(structure, state, tangent, joint, d, ddot):
-    """Derivatives of a joint's force to d, ddot and d_max; those to the parameters stay in `tangent.partials`."""
-    start, stop = structure.start[joint], structure.start[joint + 1]
-    d_max = d if state.loading[joint] else state.d_max[joint]
-    for f in range(start, stop):
-        tangent.values[f - start] = law_partials(
-            structure.function[f],
-            state.mode[f],
-            d,
-            ddot,
-            d_max,
-            structure.parameters,
-            structure.offset[f],
-            tangent.partials[f - start],
+def joint_partials(joint, functions, parameters, partials, d, ddot):
+    """Derivatives of a joint's force to d, ddot and d_max; `partials` then holds those to its parameters."""
+    d_max = d if joint.loading else joint.d_max
+    for f in range(joint.start, joint.stop):
+        function = functions[f]
+        function.value = law_partials(
+            function.number, function.mode, d, ddot, d_max, parameters, function.offset, partials[f]
         )
     to_d, to_ddot, to_d_max = 0.0, 0.0, 0.0
-    for f in range(start, stop):
-        others = weight(structure, tangent, joint, f)
-        to_d += others * tangent.partials[f - start, 0]
-        to_ddot += others * tangent.partials[f - start, 1]
-        to_d_max += others * tangent.partials[f - start, 2]
-    if state.loading[joint]:
+    for f in range(joint.start, joint.stop):
+        for other in range(joint.start, joint.stop):
+            if other != f:
+                for i in range(3 + functions[f].count):
+                    partials[f, i] *= functions[other].value
+        to_d += partials[f, 0]
+        to_ddot += partials[f, 1]
+        to_d_max += partials[f, 2]
+    if joint.loading:
         return to_d + to_d_max, to_ddot, 0.0
     return to_d, to_ddot, to_d_max
 
 
 @compiled
-def joint_tangent(structure, state, tangent, row, joint):
-    """Derivatives of a joint's deformation and force at a stage to the columns."""
-    a, b, s = structure.first[joint], structure.second[joint], structure.direction[joint]
-    d, ddot = kinematics(structure, state, row, joint)
-    to_d, to_ddot, to_d_max = joint_partials(structure, state, tangent, joint, d, ddot)
-    for c in range(tangent.rest.shape[1]):
-        d_c = tangent.rest[joint, c] - s * (tangent.position[row, b, c] - tangent.position[row, a, c])
-        ddot_c = -s * (tangent.velocity[row, b, c] - tangent.velocity[row, a, c])
-        tangent.deformation[joint, c] = d_c
-        tangent.force[joint, c] = to_d * d_c + to_ddot * ddot_c + to_d_max * tangent.d_max[joint, c]
-    for f in range(structure.start[joint], structure.start[joint + 1]):
-        others = weight(structure, tangent, joint, f)
-        for i in range(structure.offset[f], structure.offset[f + 1]):
-            column = tangent.parameter_column[i]
-            if column >= 0:
-                partial = tangent.partials[f - structure.start[joint], 3 + i - structure.offset[f]]
-                tangent.force[joint, column] += others * partial
+def accelerate_tangent(bodies, joints, functions, parameters, state, columns, tangent, joint_tangent, partials, row):
+    """Derivatives of the joints' deformations and forces, and of the accelerations, at a stage to the columns."""
+    for body in range(bodies.size):
+        for c in range(tangent.shape[3]):
+            tangent[row, ACCELERATION, body, c] = 0.0
+    for j in range(joints.size):
+        joint = joints[j]
+        a, b, s = joint.first, joint.second, joint.direction
+        d, ddot = kinematics(joint, state, row)
+        to_d, to_ddot, to_d_max = joint_partials(joint, functions, parameters, partials, d, ddot)
+        for c in range(tangent.shape[3]):
+            d_c = joint_tangent[j, REST, c] - s * (tangent[row, POSITION, b, c] - tangent[row, POSITION, a, c])
+            ddot_c = -s * (tangent[row, VELOCITY, b, c] - tangent[row, VELOCITY, a, c])
+            joint_tangent[j, DEFORMATION, c] = d_c
+            joint_tangent[j, FORCE, c] = to_d * d_c + to_ddot * ddot_c + to_d_max * joint_tangent[j, D_MAX, c]
+        for f in range(joint.start, joint.stop):
+            for i in range(functions[f].count):
+                column = columns[functions[f].offset + i]
+                if column >= 0:
+                    joint_tangent[j, FORCE, column] += partials[f, 3 + i]
+        to_a, to_b = -s * bodies[a].inverse_mass, s * bodies[b].inverse_mass
+        for c in range(tangent.shape[3]):
+            tangent[row, ACCELERATION, a, c] += to_a * joint_tangent[j, FORCE, c]
+            tangent[row, ACCELERATION, b, c] += to_b * joint_tangent[j, FORCE, c]
+    for body in range(bodies.size):
+        if bodies[body].mass_column >= 0:
+            share = state[row, ACCELERATION, body] * bodies[body].inverse_mass
+            tangent[row, ACCELERATION, body, bodies[body].mass_column] -= share
 
 
 @compiled
-def accelerate_tangent(structure, state, tangent, row):
-    """Derivatives of the accelerations at a stage to the columns."""
-    acceleration = tangent.acceleration
-    columns = tangent.rest.shape[1]
-    if columns == 0:
-        return
-    for body in range(structure.inverse_mass.size):
-        for c in range(columns):
-            acceleration[row, body, c] = 0.0
-    for joint in range(structure.first.size):
-        joint_tangent(structure, state, tangent, row, joint)
-        a, b, s = structure.first[joint], structure.second[joint], structure.direction[joint]
-        for c in range(columns):
-            acceleration[row, a, c] -= s * structure.inverse_mass[a] * tangent.force[joint, c]
-            acceleration[row, b, c] += s * structure.inverse_mass[b] * tangent.force[joint, c]
-    for body in range(structure.inverse_mass.size):
-        if tangent.mass_column[body] >= 0:
-            share = state.acceleration[row, body] * structure.inverse_mass[body]
-            acceleration[row, body, tangent.mass_column[body]] -= share
-
-
-@compiled
-def step_tangent(structure, state, tangent, h):
+def step_tangent(bodies, joints, functions, parameters, state, columns, tangent, joint_tangent, partials, h):
     """The derivative of the Runge-Kutta step whose stages `state` holds; row 0 moves from its start to its end."""
-    x, v, a = tangent.position, tangent.velocity, tangent.acceleration
-    bodies, columns = x.shape[1], x.shape[2]
     for row in range(1, 4):
         part = h if row == 3 else 0.5 * h
-        for body in range(bodies):
-            for c in range(columns):
-                x[row, body, c] = x[0, body, c] + part * v[row - 1, body, c]
-                v[row, body, c] = v[0, body, c] + part * a[row - 1, body, c]
-        accelerate_tangent(structure, state, tangent, row)
-    for body in range(bodies):
-        for c in range(columns):
-            x[0, body, c] += h / 6.0 * (v[0, body, c] + 2.0 * (v[1, body, c] + v[2, body, c]) + v[3, body, c])
-            v[0, body, c] += h / 6.0 * (a[0, body, c] + 2.0 * (a[1, body, c] + a[2, body, c]) + a[3, body, c])
+        for q in range(2):
+            for body in range(bodies.size):
+                for c in range(tangent.shape[3]):
+                    tangent[row, q, body, c] = tangent[START, q, body, c] + part * tangent[row - 1, q + 1, body, c]
+        accelerate_tangent(bodies, joints, functions, parameters, state, columns, tangent, joint_tangent, partials, row)
+    for q in range(2):
+        for body in range(bodies.size):
+            for c in range(tangent.shape[3]):
+                inner = tangent[1, q + 1, body, c] + tangent[2, q + 1, body, c]
+                total = tangent[START, q + 1, body, c] + 2.0 * inner + tangent[3, q + 1, body, c]
+                tangent[START, q, body, c] += h / 6.0 * total
 
 
 @compiled
-def start(structure, state, tangent):
-    """Set the largest deformations and the branches from the state in row 0; returns the smallest guard and its joint."""
-    for joint in range(structure.first.size):
-        a, b, s = structure.first[joint], structure.second[joint], structure.direction[joint]
-        d = kinematics(structure, state, 0, joint)[0]
-        state.d_max[joint] = max(0.0, d)
-        for c in range(tangent.rest.shape[1]):
-            ahead = tangent.position[0, b, c] - tangent.position[0, a, c]
-            tangent.d_max[joint, c] = tangent.rest[joint, c] - s * ahead if d > 0.0 else 0.0
-    choose_branches(structure, state, tangent, 0.0)
-    guard, culprit = accelerate(structure, state, 0)
-    accelerate_tangent(structure, state, tangent, 0)
-    return guard, culprit
+def set_memory(joints, state, tangent, joint_tangent):
+    """The largest deformations at t = 0."""
+    for j in range(joints.size):
+        joint = joints[j]
+        d = kinematics(joint, state, START)[0]
+        joint.d_max = max(0.0, d)
+        for c in range(tangent.shape[3]):
+            apart = tangent[START, POSITION, joint.second, c] - tangent[START, POSITION, joint.first, c]
+            joint_tangent[j, D_MAX, c] = joint_tangent[j, REST, c] - joint.direction * apart if d > 0.0 else 0.0
 
 
 @compiled
-def advance(structure, state, tangent, longest, guard, step):
-    """One step of at most `longest`, ending early at a crossing.
-
-    Returns its length, the guard at its end, the joint of the smallest guard, and whether it ended at a crossing.
-    """
-    h, after, culprit = try_careful_step(structure, state, longest, step)
-    crossing, ahead = after < 0.0, 0.0
-    if crossing:
-        h, ahead = locate(structure, state, h, guard, after, step)
-    step_tangent(structure, state, tangent, h)
-    for body in range(structure.inverse_mass.size):
-        state.position[0, body] = state.position[4, body]
-        state.velocity[0, body] = state.velocity[4, body]
-        state.acceleration[0, body] = state.acceleration[4, body]
-    if crossing:
-        choose_branches(structure, state, tangent, ahead)
-        after = accelerate(structure, state, 0)[0]
-    accelerate_tangent(structure, state, tangent, 0)
-    return h, after, culprit, crossing
-
-
-@compiled
-def write(structure, state, tangent, record, k):
+def write(joints, state, tangent, joint_tangent, state_record, joint_record, tangent_record, joint_tangent_record, k):
     """The state in row 0 becomes entry k of the record."""
-    columns = tangent.rest.shape[1]
-    for body in range(structure.inverse_mass.size):
-        record.position[k, body] = state.position[0, body]
-        record.velocity[k, body] = state.velocity[0, body]
-        record.acceleration[k, body] = state.acceleration[0, body]
-        for c in range(columns):
-            record.position_sensitivity[k, body, c] = tangent.position[0, body, c]
-            record.velocity_sensitivity[k, body, c] = tangent.velocity[0, body, c]
-            record.acceleration_sensitivity[k, body, c] = tangent.acceleration[0, body, c]
-    for joint in range(structure.first.size):
-        record.deformation[k, joint], record.deformation_rate[k, joint] = kinematics(structure, state, 0, joint)
-        record.force[k, joint] = state.force[joint]
-        for c in range(columns):
-            record.deformation_sensitivity[k, joint, c] = tangent.deformation[joint, c]
-            record.force_sensitivity[k, joint, c] = tangent.force[joint, c]
+    for q in range(3):
+        for body in range(state.shape[2]):
+            state_record[k, q, body] = state[START, q, body]
+            for c in range(tangent.shape[3]):
+                tangent_record[k, q, body, c] = tangent[START, q, body, c]
+    for j in range(joints.size):
+        joint_record[k, 0, j], joint_record[k, 1, j] = kinematics(joints[j], state, START)
+        joint_record[k, 2, j] = joints[j].force
+        for c in range(tangent.shape[3]):
+            joint_tangent_record[k, FORCE, j, c] = joint_tangent[j, FORCE, c]
+            joint_tangent_record[k, DEFORMATION, j, c] = joint_tangent[j, DEFORMATION, c]
 
 
 @compiled
-def integrate(times, step, structure, state, tangent, record):
+def integrate(
+    times,
+    step,
+    bodies,
+    joints,
+    functions,
+    parameters,
+    state,
+    columns,
+    tangent,
+    joint_tangent,
+    partials,
+    state_record,
+    joint_record,
+    tangent_record,
+    joint_tangent_record,
+):
     """Run from t = 0 through `times`; returns how it ended, the joint concerned and the time."""
-    t, since, crossings = 0.0, 0.0, 0
-    guard, culprit = start(structure, state, tangent)
-    if guard == -math.inf:
-        return NOT_FINITE, culprit, t
-    for k in range(times.size):
-        while times[k] - t > RESOLUTION * step:
-            remaining = times[k] - t
-            longest = remaining / max(1.0, math.ceil(remaining / step - 1e-6))
-            h, guard, culprit, crossing = advance(structure, state, tangent, longest, guard, step)
-            t += h
-            if t - since > step:
-                since, crossings = t, 0
-            crossings += crossing
-            if crossings > MAX_CROSSINGS or guard == -math.inf:
-                return NOT_FINITE if guard == -math.inf else NO_PROGRESS, culprit, t
-        t = times[k]
-        write(structure, state, tangent, record, k)
-    return DONE, -1, t
+    t, since, crossings, k = 0.0, 0.0, 0, START
+    crossing, ahead = True, 0.0
+    guard, culprit = math.inf, -1
+    set_memory(joints, state, tangent, joint_tangent)
+    while True:
+        if crossing:
+            choose_branches(joints, functions, parameters, state, tangent, joint_tangent, ahead)
+            guard, culprit = accelerate(bodies, joints, functions, parameters, state, START)
+        if guard == -math.inf or crossings > MAX_CROSSINGS:
+            return NOT_FINITE if guard == -math.inf else NO_PROGRESS, culprit, t
+        if tangent.shape[3] > 0:
+            accelerate_tangent(bodies, joints, functions, parameters, state, columns, tangent, joint_tangent, partials, START)
+        if times[k] - t <= RESOLUTION * step:
+            t = times[k]
+            write(joints, state, tangent, joint_tangent, state_record, joint_record, tangent_record, joint_tangent_record, k)
+            k += 1
+            if k == times.size:
+                return DONE, -1, t
+        remaining = times[k] - t
+        longest = remaining / max(1.0, math.ceil(remaining / step - 1e-6))
+        h, after, culprit = try_careful_step(bodies, joints, functions, parameters, state, longest, step)
+        crossing, ahead = after < 0.0, 0.0
+        if crossing:
+            h, ahead = locate(bodies, joints, functions, parameters, state, h, guard, after, step)
+        if tangent.shape[3] > 0:
+            step_tangent(bodies, joints, functions, parameters, state, columns, tangent, joint_tangent, partials, h)
+        for q in range(3):
+            for body in range(bodies.size):
+                state[START, q, body] = state[END, q, body]
+        guard = after
+        t += h
+        if t - since > step:
+            since, crossings = t, 0
+        crossings += crossing

@@ -7,7 +7,7 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.errors import CrashkitError
-from crashkit.mechanics.arrays import STAGES, Floats, Record, State, Structure, Tangent
+from crashkit.mechanics.arrays import BODY, FUNCTION, JOINT, POSITION, REST, STAGES, VELOCITY, Floats, Record, Records, Work
 from crashkit.mechanics.engine import Engine
 from crashkit.mechanics.layout import Layout
 
@@ -57,91 +57,81 @@ def _place(layout: Layout, path: str) -> tuple[Floats, tuple[int, ...]]:
     return arrays[kind, quantity], (names.index(name),)
 
 
-def structure_of(layout: Layout, engine: Engine) -> Structure:
-    """The bodies and joints of a run."""
-    position, (first, second) = layout.position, layout.ends.T
-    apart = position[second] + layout.points[:, 1] - position[first] - layout.points[:, 0]
-    direction = np.where(apart < 0.0, -1.0, 1.0)
-    given = layout.free_lengths - direction * (layout.points[:, 1] - layout.points[:, 0])
-    start = np.cumsum([0, *map(len, layout.functions)])
-    numbers = [engine.numbers[function] for own in layout.functions for function in own]
-    return Structure(
-        inverse_mass=1.0 / layout.masses,
-        first=np.ascontiguousarray(first),
-        second=np.ascontiguousarray(second),
-        direction=direction,
-        rest=np.where(np.isnan(given), direction * (position[second] - position[first]), given),
-        start=start,
-        function=np.array(numbers, int),
-        offset=layout.offsets,
+def work_of(layout: Layout, engine: Engine, paths: Sequence[str]) -> Work:
+    """The arrays of a run at t = 0, its branches not yet chosen, with a column of derivatives for each of `paths`."""
+    bodies, joints, functions = _bodies(layout), _joints(layout), _functions(layout, engine)
+    shape = (STAGES, 3, bodies.size)
+    widest = max(functions["count"], default=0)
+    work = Work(
+        bodies=bodies,
+        joints=joints,
+        functions=functions,
         parameters=layout.parameters,
+        state=np.zeros(shape),
+        columns=np.full(layout.parameters.size, -1),
+        tangent=np.zeros((*shape, len(paths))),
+        joint_tangent=np.zeros((joints.size, 4, len(paths))),
+        partials=np.zeros((functions.size, 3 + widest)),
     )
-
-
-def state_of(layout: Layout) -> State:
-    """The state at t = 0, its branches not yet chosen."""
-    shape = (STAGES, len(layout.bodies))
-    joints = len(layout.joints)
-    state = State(
-        position=np.zeros(shape),
-        velocity=np.zeros(shape),
-        acceleration=np.zeros(shape),
-        force=np.zeros(joints),
-        d_max=np.zeros(joints),
-        loading=np.zeros(joints, int),
-        mode=np.zeros(sum(map(len, layout.functions)), int),
-    )
-    state.position[0] = layout.position
-    state.velocity[0] = np.where(np.isinf(layout.masses), 0.0, layout.velocity)
-    return state
-
-
-def tangent_of(layout: Layout, structure: Structure, paths: Sequence[str]) -> Tangent:
-    """The derivatives at t = 0 to the parameters of `paths`."""
-    bodies, joints, columns = len(layout.bodies), len(layout.joints), len(paths)
-    widest = max((function.count() for own in layout.functions for function in own), default=0)
-    most = max(map(len, layout.functions), default=0)
-    tangent = Tangent(
-        position=np.zeros((STAGES, bodies, columns)),
-        velocity=np.zeros((STAGES, bodies, columns)),
-        acceleration=np.zeros((STAGES, bodies, columns)),
-        force=np.zeros((joints, columns)),
-        deformation=np.zeros((joints, columns)),
-        d_max=np.zeros((joints, columns)),
-        rest=np.zeros((joints, columns)),
-        mass_column=np.full(bodies, -1),
-        parameter_column=np.full(layout.parameters.size, -1),
-        values=np.zeros(most),
-        partials=np.zeros((most, 3 + widest)),
-    )
+    work.state[0, POSITION] = layout.position
+    work.state[0, VELOCITY] = np.where(np.isinf(layout.masses), 0.0, layout.velocity)
     for column, path in enumerate(paths):
-        _seed(layout, structure, tangent, path, column)
-    return tangent
+        _seed(layout, work, path, column)
+    return work
 
 
-def _seed(layout: Layout, structure: Structure, tangent: Tangent, path: str, column: int) -> None:
-    array, entries = _place(layout, path)
-    if array is layout.parameters:
-        tangent.parameter_column[list(entries)] = column
-    elif array is layout.masses:
-        tangent.mass_column[entries[0]] = column
-    elif array is layout.free_lengths:
-        tangent.rest[entries[0], column] = 1.0
-    elif array is layout.velocity:
-        tangent.velocity[0, entries[0], column] = np.isfinite(layout.masses[entries[0]])
-    else:
-        tangent.position[0, entries[0], column] = 1.0
-        free = np.isnan(layout.free_lengths)
-        tangent.rest[free & (structure.second == entries[0]), column] += structure.direction[free & (structure.second == entries[0])]
-        tangent.rest[free & (structure.first == entries[0]), column] -= structure.direction[free & (structure.first == entries[0])]
-
-
-def record_of(layout: Layout, times: int, columns: int) -> Record:
-    """Room for the results; nothing for sensitivities that were not asked for."""
-    bodies, joints = len(layout.bodies), len(layout.joints)
-    by_body = [np.empty((times, bodies)) for _ in range(3)]
-    by_joint = [np.empty((times, joints)) for _ in range(3)]
+def record_of(work: Work, times: int) -> Record:
+    """Room for the results."""
+    _, quantities, bodies, columns = work.tangent.shape
     rows = times if columns else 0
-    body_sensitivities = [np.empty((rows, bodies, columns)) for _ in range(3)]
-    joint_sensitivities = [np.empty((rows, joints, columns)) for _ in range(2)]
-    return Record(*by_body, *by_joint, *body_sensitivities, *joint_sensitivities)
+    return Record(
+        state=np.empty((times, quantities, bodies)),
+        joints=np.empty((times, 3, work.joints.size)),
+        tangent=np.empty((rows, quantities, bodies, columns)),
+        joint_tangent=np.empty((rows, 2, work.joints.size, columns)),
+    )
+
+
+def _bodies(layout: Layout) -> Records:
+    bodies = np.zeros(len(layout.bodies), BODY)
+    bodies["inverse_mass"] = 1.0 / layout.masses
+    bodies["mass_column"] = -1
+    return bodies
+
+
+def _joints(layout: Layout) -> Records:
+    joints = np.zeros(len(layout.joints), JOINT)
+    first, second = layout.ends.T
+    offset = layout.points[:, 1] - layout.points[:, 0]
+    apart = layout.position[second] - layout.position[first]
+    direction = np.where(apart + offset < 0.0, -1.0, 1.0)
+    bounds = np.cumsum([0, *map(len, layout.functions)])
+    joints["first"], joints["second"], joints["direction"] = first, second, direction
+    joints["rest"] = np.where(np.isnan(layout.free_lengths), direction * apart, layout.free_lengths - direction * offset)
+    joints["start"], joints["stop"] = bounds[:-1], bounds[1:]
+    return joints
+
+
+def _functions(layout: Layout, engine: Engine) -> Records:
+    functions = np.zeros(layout.offsets.size - 1, FUNCTION)
+    functions["number"] = [engine.numbers[function] for own in layout.functions for function in own]
+    functions["offset"], functions["count"] = layout.offsets[:-1], np.diff(layout.offsets)
+    return functions
+
+
+def _seed(layout: Layout, work: Work, path: str, column: int) -> None:
+    """Make a column the derivatives to one parameter."""
+    array, entries = _place(layout, path)
+    first = entries[0]
+    if array is layout.parameters:
+        work.columns[list(entries)] = column
+    elif array is layout.masses:
+        work.bodies["mass_column"][first] = column
+    elif array is layout.free_lengths:
+        work.joint_tangent[first, REST, column] = 1.0
+    elif array is layout.velocity:
+        work.tangent[0, VELOCITY, first, column] = np.isfinite(layout.masses[first])
+    else:
+        work.tangent[0, POSITION, first, column] = 1.0
+        ends = (work.joints["second"] == first).astype(float) - (work.joints["first"] == first)
+        work.joint_tangent[:, REST, column] = np.isnan(layout.free_lengths) * work.joints["direction"] * ends

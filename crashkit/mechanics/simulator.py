@@ -12,7 +12,7 @@ from crashkit.mechanics.engine import Engine, compile_engine
 from crashkit.mechanics.kernel import DONE, NOT_FINITE
 from crashkit.mechanics.layout import Laws, functions_of, lay_out
 from crashkit.mechanics.motion import motion_of
-from crashkit.mechanics.run import prepare, record_of, state_of, structure_of, tangent_of
+from crashkit.mechanics.run import prepare, record_of, work_of
 from crashkit.model import Model
 
 
@@ -74,13 +74,12 @@ class Simulator:
         """
         instants = _checked(times)
         layout = prepare(self._layout, values or {}, initial)
-        structure, state = structure_of(layout, self.engine), state_of(layout)
-        tangent = tangent_of(layout, structure, sensitivities)
-        record = record_of(layout, instants.size, len(sensitivities))
-        status, joint, t = self.engine.module.integrate(instants, float(step), structure, state, tangent, record)
+        work = work_of(layout, self.engine, sensitivities)
+        record = record_of(work, instants.size)
+        status, joint, t = self.engine.module.integrate(instants, float(step), *work, *record)
         if status != DONE:
             raise SimulationError(self._failure(status, joint, t))
-        return motion_of(record, structure, instants, self._names, sensitivities)
+        return motion_of(record, work.joints, instants, self._names, sensitivities)
 
     def _failure(self, status: int, number: int, t: float) -> str:
         joint = self.model.joints[number]

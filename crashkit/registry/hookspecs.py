@@ -4,6 +4,8 @@ A plugin's module of hooks defines any of these functions, marked with `hookimpl
 time that the registry is loaded, without arguments; it returns classes, and the name that users write is on the class.
 """
 
+from typing import Any
+
 from pluggy import HookimplMarker, HookspecMarker
 
 from crashkit.protocols import Hypothesis, Identifier, Importer, Observer, Smoother, SpringLaw
@@ -28,7 +30,7 @@ def crashkit_smoothers() -> list[type[Smoother]]:
 
 
 @hookspec
-def crashkit_identifiers() -> list[type[Identifier]]:
+def crashkit_identifiers() -> list[type[Identifier[Any]]]:
     """Fires when the registry is loaded; returns methods that `crashkit identify --method` offers."""
 
 

@@ -135,9 +135,13 @@ def _line(
 ) -> Figure:
     """A trace; x is a time in s or a deformation in m, both shown in thousandths."""
     kept = extremes(y)
-    line = {"color": colour, "width": width, "dash": dash}
-    return {"type": "scatter", "mode": "lines", "name": name, "x": _packed(1e3 * x[kept]), "y": _packed(y[kept])} | {
-        "line": line,
+    return {
+        "type": "scatter",
+        "mode": "lines",
+        "name": name,
+        "x": _packed(1e3 * x[kept]),
+        "y": _packed(y[kept]),
+        "line": {"color": colour, "width": width, "dash": dash},
         **more,
     }
 
@@ -153,7 +157,11 @@ def _title(quantity: str, units: str) -> str:
 
 def _axis(title: str, **more: object) -> Figure:
     """Plotly reads a few HTML tags in texts, so titles come escaped."""
-    return {"title": {"text": title, "standoff": 6}, "automargin": True, "zeroline": False, "gridcolor": "#e8ebef"} | {
+    return {
+        "title": {"text": title, "standoff": 6},
+        "automargin": True,
+        "zeroline": False,
+        "gridcolor": "#e8ebef",
         "linecolor": "#8a939e",
         "ticks": "outside",
         "ticklen": 3,
@@ -178,7 +186,15 @@ def _layout(x: Figure, y: Figure, legend: bool = False) -> Figure:
 
 def _noise_band() -> Figure:
     """Where 19 of 20 residuals lie if only noise is left."""
-    return {"type": "rect", "xref": "paper", "x0": 0, "x1": 1, "yref": "y2", "y0": -2, "y1": 2, "layer": "below"} | {
+    return {
+        "type": "rect",
+        "layer": "below",
+        "xref": "paper",
+        "x0": 0,
+        "x1": 1,
+        "yref": "y2",
+        "y0": -2,
+        "y1": 2,
         "fillcolor": "#dfe4ea",
         "line": {"width": 0},
     }

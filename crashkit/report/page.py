@@ -60,6 +60,7 @@ def render(diagnosis: Diagnosis) -> str:
         with_left_out=any(math.isfinite(row["left_out_drop"]) for row in rows(diagnosis.ranking, "hypothesis")),
         consistency=rows(diagnosis.consistency, "check"),
         inconsistent=INCONSISTENT,
+        infinity=math.inf,
         identified=rows(diagnosis.identified, "parameter"),
     )
 

@@ -5,8 +5,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pytest
 import xarray as xr
+from attrs import evolve
 
-from crashkit.mechanics import Simulator
+from crashkit.mechanics import Engine, LawFunction, Simulator, compile_engine, functions_of
 from crashkit.misfit import Misfit
 from crashkit.model import Model
 from crashkit.protocols import Hypothesis, Proposal
@@ -33,13 +34,14 @@ class HypothesisContract:
 
     @pytest.fixture
     def model(self) -> Model:
-        """The model that may have left something out."""
-        return toys.two_degrees()
+        """The model that may have left something out; its masses are known."""
+        toy = toys.two_degrees()
+        return toy.with_parameters({"body.rear.mass": evolve(toy.parameters()["body.rear.mass"], fixed=True)})
 
     @pytest.fixture
     def motion(self, model: Model) -> Sequence[xr.Dataset]:
-        """Its motion in two runs."""
-        simulator, times = Simulator(model, load().spring_laws), np.linspace(0.0, 0.4, 201)
+        """Its motion in two runs, until both springs have opened again."""
+        simulator, times = Simulator(model, load().spring_laws), np.linspace(0.0, 1.0, 501)
         return [simulator.run(times, initial=toys.initial_state(model, speed)) for speed in (1.0, 2.0)]
 
     @pytest.fixture
@@ -103,11 +105,12 @@ class HypothesisContract:
     def test_at_its_null_the_physics_is_absent(
         self, proposals: list[Proposal], model: Model, recordings: Mapping[str, xr.DataTree]
     ) -> None:
-        registry = load()
-        given = _readings(Misfit(model, recordings, registry.spring_laws, registry.observers))
-        for proposal in (proposal for proposal in proposals if proposal.null):
+        nullable = [proposal for proposal in proposals if proposal.null]
+        engine = _engine([model, *(proposal.model for proposal in nullable)])
+        given = _readings(model, recordings, engine)
+        for proposal in nullable:
             absent = proposal.model.with_values({**proposal.starts[0], **proposal.null})
-            found = _readings(Misfit(absent, recordings, registry.spring_laws, registry.observers))
+            found = _readings(absent, recordings, engine)
             difference = float(np.abs(found - given).max())
             assert difference <= self.accuracy, (
                 f"{_name(proposal)} at {dict(proposal.null)}: expected the readings of the given model, "
@@ -129,8 +132,17 @@ def _places(model: Model, recordings: Mapping[str, xr.DataTree]) -> dict[str, se
     }
 
 
-def _readings(misfit: Misfit) -> np.ndarray:
+def _engine(models: Sequence[Model]) -> Engine:
+    """One engine for these models and for every law without a list, so that most hypotheses share its compilation."""
+    laws = load().spring_laws
+    common = {LawFunction(law) for law in laws.values() if not any(spec.vector for spec in law.parameters)}
+    return compile_engine(common.union(*(functions_of(model, laws) for model in models)))
+
+
+def _readings(model: Model, recordings: Mapping[str, xr.DataTree], engine: Engine) -> np.ndarray:
     """What every instrument reads, in standard deviations from what it recorded."""
+    registry = load()
+    misfit = Misfit(model, recordings, registry.spring_laws, registry.observers, engine)
     return misfit.residual(misfit.start())
 
 

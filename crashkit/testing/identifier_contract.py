@@ -15,7 +15,7 @@ class IdentifierContract:
     """Tests of a method of identification; subclass it and give the fixture `identifier`.
 
     Attributes:
-        accuracy: relative error of an identified value that is allowed; there is no noise.
+        accuracy: relative error of an identified value that is allowed; there is no noise but rounding.
         start: share of the true values that the search starts from.
         most_steps: after which a search counts as lost.
     """

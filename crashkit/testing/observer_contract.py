@@ -35,8 +35,7 @@ class ObserverContract:
         assert len(set(names)) == len(names)
         assert set(observer.instrument_errors) <= set(names)
         for spec in observer.errors:
-            assert spec.null is not None
-            assert spec.lower <= spec.null <= spec.upper
+            assert spec.lower <= _null(spec) <= spec.upper
 
     def test_a_prediction_has_the_form_of_the_recording(
         self, observer: Observer, instrument: xr.Dataset, motion: xr.Dataset
@@ -87,10 +86,8 @@ class ObserverContract:
             if "time" in variable.dims:
                 np.testing.assert_array_equal(np.isnan(variable.isel(body=0, axis=0)), hidden)
 
-    def test_errors_at_their_null_change_nothing(
-        self, observer: Observer, instrument: xr.Dataset, motion: xr.Dataset
-    ) -> None:
-        null = {spec.name: spec.null for spec in observer.errors}
+    def test_errors_at_their_null_change_nothing(self, observer: Observer, instrument: xr.Dataset, motion: xr.Dataset) -> None:
+        null = {spec.name: _null(spec) for spec in observer.errors}
         assert_same(observer, observer.predict(motion, instrument, {"": null}), observer.predict(motion, instrument))
 
     def test_error_sensitivities_agree_with_differences(
@@ -132,6 +129,11 @@ def assert_same(observer: Observer, one: xr.Dataset, other: xr.Dataset) -> None:
     np.testing.assert_array_equal(one[observer.quantity].values, other[observer.quantity].values)
 
 
+def _null(spec: ParameterSpec) -> float:
+    assert spec.null is not None, f"{spec.name} must declare the null at which the instrument is perfect"
+    return spec.null
+
+
 def _recorded(observer: Observer, instrument: xr.Dataset, motion: xr.Dataset) -> xr.Dataset:
     predicted = observer.predict(motion, instrument)[observer.quantity]
     return instrument.assign({observer.quantity: (predicted.dims, predicted.values, instrument[observer.quantity].attrs)})
@@ -142,7 +144,7 @@ def _error_difference(
 ) -> np.ndarray:
     step = 1e-5 * (spec.upper - spec.lower) if np.isfinite(spec.upper - spec.lower) else STEP
     ahead, behind = (
-        observer.predict(motion, instrument, {sensor: {spec.name: spec.null + change}})[observer.quantity].values
+        observer.predict(motion, instrument, {sensor: {spec.name: _null(spec) + change}})[observer.quantity].values
         for change in (step, -step)
     )
     return (ahead - behind) / (2 * step)
@@ -159,13 +161,12 @@ def _directions(motion: xr.Dataset) -> dict[str, xr.Variable]:
     other = np.stack([np.ones_like(t), 6 * t], axis=-1)
     dims = ("time", "body", "axis")
     shape = [motion.sizes[dim] for dim in dims] + [2]
-    return {
-        f"{name}_sensitivity": xr.Variable(
-            (*dims, "parameter"), np.broadcast_to(powers.get(name, other)[:, None, None, :], shape).copy()
-        )
-        for name in motion.data_vars
-        if motion[name].dims == dims
-    } | {"parameter": xr.Variable("parameter", ["square", "cube"])}
+    directions = {"parameter": xr.Variable("parameter", ["square", "cube"])}
+    for name in map(str, motion.data_vars):
+        if motion[name].dims == dims:
+            columns = powers.get(name, other)[:, None, None, :]
+            directions[f"{name}_sensitivity"] = xr.Variable((*dims, "parameter"), np.broadcast_to(columns, shape).copy())
+    return directions
 
 
 def _moved(motion: xr.Dataset, directions: dict[str, xr.Variable], parameter: int, step: float) -> xr.Dataset:

@@ -81,6 +81,12 @@ def test_a_finding_says_what_where_when_how_sure_and_what_else(page: Page) -> No
     assert "sensor sill_right (accelerometer)" in text
 
 
+@pytest.mark.parametrize("time", [(0.0, float("inf")), (float("nan"), float("nan"))])
+def test_a_finding_without_an_end_acts_throughout(diagnosis: Diagnosis, time: tuple[float, float]) -> None:
+    page = Page(render(evolve(diagnosis, findings=(evolve(diagnosis.findings[0], time=time),))))
+    assert "When throughout" in page.sections["findings"]
+
+
 def test_held_out_runs_are_set_apart(page: Page) -> None:
     assert "never fitted" in page.sections["holdout"]
     assert "holdout_1.nc" in page.sections["holdout"]

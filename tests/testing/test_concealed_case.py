@@ -118,7 +118,7 @@ def test_the_truth_names_the_secret(case: Case) -> None:
 
 
 def test_a_pair_has_to_be_found_whole() -> None:
-    truth = make_case(2, ("bias", "rate_dependence")).truth
+    truth = make_case(3, ("bias", "rate_dependence")).truth
     assert [answer[0] for answer in truth["accept"]] == ["bias", "rate_dependence"]
     assert truth["all"]
 

@@ -77,10 +77,10 @@ def test_a_start_moves_every_free_parameter():
     assert start.body("front").mass == truth.body("front").mass
 
 
-def test_the_problem_is_solved_by_the_truth():
+def test_the_problem_is_solved_by_the_truth_but_for_rounding():
     truth = toys.two_degrees()
     problem = toys.problem(truth, truth, load().spring_laws, speeds=(1.0, 2.0))
-    assert np.abs(problem.residual(problem.start())).max() < 1e-9
+    assert np.abs(problem.residual(problem.start())).max() <= 0.5e-3 * (1.0 + 1e-6)
 
 
 def test_the_problem_s_jacobian_is_that_of_differences():

@@ -150,6 +150,8 @@ def _try(rng: np.random.Generator, names: Sequence[str], size: str | None) -> Dr
     effects = [EFFECTS[name](stage) for name in names]
     if None in effects or len({str(effect.place) for effect in effects if effect}) < len(effects):
         return None
+    if len(effects) > 1 and any(effect.rivals for effect in effects if effect):
+        return None  # `all` could not say which of the answers must be found
     if not effects:
         return Draft(scene, scene, [])
     secrets = _calibrated(scene, [effect for effect in effects if effect], size, rng)

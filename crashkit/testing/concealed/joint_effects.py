@@ -115,7 +115,7 @@ def fracture(stage: Stage) -> Effect:
         "fracture_deformation": stage.deepest(joint) * stage.rng.uniform(0.3, 0.8),
         "fracture_width": 1e-3 if form == "sudden" else stage.deepest(joint) * stage.rng.uniform(0.1, 0.3),
     }
-    return _in_joint("fracture", form, joint, fields, "fracture_loss", (0.02, 2.0))
+    return _in_joint("fracture", form, joint, fields, "fracture_loss", (0.1, 2.0))
 
 
 def tension(stage: Stage) -> Effect:

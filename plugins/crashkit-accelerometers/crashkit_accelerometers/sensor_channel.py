@@ -118,7 +118,8 @@ def sample(nodes: np.ndarray, values: np.ndarray, bodies: np.ndarray, axes: np.n
     """
     right = np.searchsorted(nodes, at, side="right").clip(1, len(nodes) - 1)
     weight = (at - nodes[right - 1]) / (nodes[right] - nodes[right - 1])
-    result = _interpolate(values.reshape(*values.shape[:3], -1), bodies, axes, right, weight)
+    columns = values if values.ndim == 4 else values[..., None]
+    result = _interpolate(columns, bodies, axes, right, weight)
     result[: np.searchsorted(at, nodes[0])] = 0.0
     return result.reshape(result.shape[: values.ndim])
 

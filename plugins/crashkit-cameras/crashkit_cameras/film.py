@@ -75,15 +75,13 @@ class Film(Observer):
         carriers = instrument["marker_body"].values
         bodies = list(dict.fromkeys(carriers.tolist()))
         centres = instrument["position"].transpose(*DIMS).values - instrument["marker_point"].values
-        variables = {"position": (("time", "body", "axis"), np.stack([_mean(centres[:, carriers == b]) for b in bodies], 1))}
+        means = np.stack([_mean(centres[:, carriers == body]) for body in bodies], axis=1)
+        variables = {"position": xr.Variable(("time", "body", "axis"), means, {"units": "m"})}
         if "position_std" in instrument:
             variance = instrument["position_std"].values ** 2
-            stds = [np.sqrt(variance[carriers == b].sum()) / (carriers == b).sum() for b in bodies]
-            variables["position_std"] = ("body", np.array(stds))
-        motion = xr.Dataset(variables, {"time": instrument["time"], "body": bodies, "axis": instrument["axis"]})
-        for variable in motion.data_vars.values():
-            variable.attrs["units"] = "m"
-        return motion
+            stds = [np.sqrt(variance[carriers == body].sum()) / (carriers == body).sum() for body in bodies]
+            variables["position_std"] = xr.Variable("body", stds, {"units": "m"})
+        return xr.Dataset(variables, {"time": instrument["time"], "body": bodies, "axis": instrument["axis"]})
 
     def _coordinates(self, motion: xr.Dataset, instrument: xr.Dataset) -> xr.Coordinates:
         """The coordinates of a prediction, without indexes: building those takes longer than predicting."""

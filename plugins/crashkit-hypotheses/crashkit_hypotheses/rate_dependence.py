@@ -9,7 +9,7 @@ from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import grid, multiplied
 
-LINEAR = {"rate_coefficient": Parameter(0.0, 0.0, 1.0)}
+LINEAR = {"rate_slope": Parameter(0.0, 0.0, 1.0)}
 POWER = {"rate_amplitude": Parameter(0.0, 0.0, 10.0), "rate_exponent": Parameter(0.3, 0.05, 2.0)}
 LOGARITHM = {"rate_amplitude": Parameter(0.0, 0.0, 10.0), "reference_rate": Parameter(0.5, 1e-3, 20.0)}
 
@@ -30,7 +30,7 @@ class RateDependence(Hypothesis):
     def _forms(self, model: Model, joint: Joint) -> list[Proposal]:
         powers = grid(rate_exponent=(0.2, 0.6))
         return [
-            multiplied(model, joint, self.physics, "linear", "rate_linear", LINEAR, "rate_coefficient"),
+            multiplied(model, joint, self.physics, "linear", "rate_linear", LINEAR, "rate_slope"),
             multiplied(model, joint, self.physics, "power", "rate_power", POWER, "rate_amplitude", powers),
             multiplied(model, joint, self.physics, "logarithm", "rate_logarithm", LOGARITHM, "rate_amplitude"),
         ]

@@ -117,15 +117,13 @@ def _solve(state: SensitivityState, scale: np.ndarray, free: np.ndarray, move: n
 
 
 def _attempt(problem: Problem, state: SensitivityState, point: np.ndarray, promised: float) -> SensitivityState | None:
-    try:
-        residual = problem.residual(point)
-    except SimulationError:
-        return None
-    gained = state.cost - 0.5 * float(residual @ residual)
+    """The state at `point`, if it keeps enough of the promise."""
+    there = _state_at(problem, point, state.damping, state.path)
+    gained = state.cost - there.cost
     if not gained > 1e-4 * promised:
         return None
     damping = state.damping / 5.0 if gained > 0.5 * promised else state.damping * 1.5
-    return _state_at(problem, point, max(damping, 1e-15), state.path)
+    return evolve(there, damping=max(damping, 1e-15))
 
 
 def _verdict(state: SensitivityState) -> Status:

@@ -8,10 +8,11 @@ from scipy import sparse
 
 from crashkit.errors import CrashkitError
 from crashkit.protocols import Smoother
-from crashkit_smoothers.penalised_fit import PenalisedFit, lower_band, symmetric
+from crashkit_smoothers.penalised_fit import Fit, PenalisedFit, lower_band, symmetric
 from crashkit_smoothers.quintic_spline import DEGREE, basis, differentiation, knot_vector, roughness
 
-INTERIOR_KNOTS = 300  # the condition grows with their sixth power: a knot at every one of 1e4 samples loses all digits
+FIRST_KNOTS = 200  # the condition grows with their sixth power: knots at all of 1e4 samples of a smooth motion lose all digits
+WORTH = 0.99  # of the score, at the most, that three times the knots must reach to be kept
 FEWEST_SAMPLES = 6
 
 
@@ -43,9 +44,7 @@ class GcvQuintic(Smoother):
         x = (times - times[0]) / duration  # without a unit, so that none matters
         z = samples.values[present].astype(float)
         parabola = np.polynomial.Polynomial.fit(x[present], z, self.degree)  # has no roughness: kept out of the rounding
-        knots = knot_vector(x[present], INTERIOR_KNOTS)
-        rough = lower_band(roughness(knots), DEGREE + 1)
-        fit = PenalisedFit(basis(x[present], knots), z - parabola(x[present]), rough).by_cross_validation()
+        knots, fit = _fit(x[present], z - parabola(x[present]))
         covariance = symmetric(fit.covariance)
         noise = math.sqrt(fit.residual / (count - fit.freedom)) if std is None else std
 
@@ -63,6 +62,23 @@ class GcvQuintic(Smoother):
             "choice": f"generalised cross-validation chose {fit.freedom:.1f} degrees of freedom for {count} samples",
         }
         return xr.Dataset(variables, {"time": samples["time"]}, attrs)
+
+
+def _fit(x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, Fit]:
+    """The spline on as few knots as show all that the samples tell: the knots and the fit."""
+    interior = FIRST_KNOTS
+    knots, fit = _fit_on(knot_vector(x, interior), x, z)
+    while interior < len(x):
+        interior *= 3
+        finer_knots, finer = _fit_on(knot_vector(x, interior), x, z)
+        if finer.score > WORTH * fit.score:
+            break
+        knots, fit = finer_knots, finer
+    return knots, fit
+
+
+def _fit_on(knots: np.ndarray, x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, Fit]:
+    return knots, PenalisedFit(basis(x, knots), z, lower_band(roughness(knots), DEGREE + 1)).by_cross_validation()
 
 
 def _spread(rows: sparse.csr_array, covariance: sparse.csr_array) -> np.ndarray:

@@ -10,6 +10,7 @@ from scipy import sparse
 from scipy.linalg import cho_solve_banded, cholesky_banded
 
 COARSE, FINE = 16, 13  # candidates over the whole range, then about the best
+LARGEST_CONDITION = 1e14  # beyond it the decomposition fails
 MOST_FREEDOM = 0.9  # of the samples: with as much freedom as samples the score is 0 / 0
 
 
@@ -70,15 +71,17 @@ class PenalisedFit:
         """The fit whose smoothing minimises V = n |(I - A) z|^2 / tr(I - A)^2, with A the influence matrix.
 
         On [0, 1] the roughness of k half waves is (pi k)^6 / n times their square. The candidates reach from the smoothing
-        that halves the roughest of them to the one that halves the smoothest.
+        that halves the roughest wave to the one that halves the smoothest, as far as the digits go.
 
         Craven & Wahba 1978, doi:10.1007/BF01404567.
         """
-        smoothest = len(self.samples) / np.pi**6
-        coarse = np.geomspace(smoothest / len(self.moments) ** 6, smoothest, COARSE)
+        span = float(len(self.moments)) ** 6
+        least = len(self.samples) / np.pi**6 / span
+        most = least * min(span, LARGEST_CONDITION)
+        coarse = np.geomspace(least, most, COARSE)
         best = self._best(coarse)
         step = coarse[1] / coarse[0]
-        return self._best(np.geomspace(best.smoothing / step, min(best.smoothing * step, smoothest), FINE))
+        return self._best(np.geomspace(best.smoothing / step, min(best.smoothing * step, most), FINE))
 
     def _best(self, candidates: np.ndarray) -> Fit:
         return min((self.with_smoothing(float(smoothing)) for smoothing in candidates), key=lambda fit: fit.score)

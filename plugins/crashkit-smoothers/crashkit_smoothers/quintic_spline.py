@@ -5,20 +5,26 @@ from scipy import sparse
 from scipy.interpolate import BSpline
 
 DEGREE = 5
+CLOSEST = 0.2  # distance of two knots, of the mean distance if there are as many as allowed
 ROUGHNESS_ORDER = 3  # of the derivative whose square is penalised: q of Mizzi & Jezequel 1992, eq 31
 
 
 def knot_vector(x: np.ndarray, interior: int) -> np.ndarray:
     """Knots at no more than `interior` of the samples, as dense as these are, over all of [0, 1].
 
+    A sample too close after a knot gets none: second differences over the gap would lose the digits of a derivative.
+
     Arguments:
         x: (sample,), strictly increasing, in [0, 1].
         interior: the largest number of knots within ]0, 1[.
     """
     chosen = np.unique(np.linspace(0, len(x) - 1, interior + 2).round().astype(int))
-    inner = x[chosen]
-    inner = inner[(inner > 0.0) & (inner < 1.0)]
-    return np.concatenate([np.zeros(DEGREE + 1), inner, np.ones(DEGREE + 1)])
+    closest = CLOSEST / interior
+    inner = [0.0]
+    for place in x[chosen]:
+        if inner[-1] + closest <= place <= 1.0 - closest:
+            inner.append(float(place))
+    return np.concatenate([np.zeros(DEGREE + 1), inner[1:], np.ones(DEGREE + 1)])
 
 
 def basis(x: np.ndarray, knots: np.ndarray, order: int = 0) -> sparse.csr_array:

@@ -15,14 +15,14 @@ class RateLinear(SpringLaw):
     unit = "1"
     parameters = (
         ParameterSpec(
-            "rate_coefficient", "s m-1", "relative rise of the force with deformation rate (a)", lower=0.0, null=0.0
+            "rate_slope", "s m-1", "relative rise of the force with deformation rate (a)", lower=0.0, null=0.0
         ),
     )
 
     @staticmethod
-    def force(d: float, ddot: float, d_max: float, rate_coefficient: float) -> float:
+    def force(d: float, ddot: float, d_max: float, rate_slope: float) -> float:
         """The factor."""
-        return max(0.0, 1.0 + rate_coefficient * ddot)
+        return max(0.0, 1.0 + rate_slope * ddot)
 
 
 class RatePower(SpringLaw):
