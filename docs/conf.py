@@ -1,11 +1,11 @@
 """Sphinx: Markdown pages, every example run as a doctest."""
 
-from importlib.metadata import version
+from importlib import metadata
 
 project = "crashkit"
 author = "crashkit developers"
 copyright = author
-release = version("crashkit")
+release = metadata.version("crashkit")
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.doctest"]
 exclude_patterns = ["_build"]
 myst_enable_extensions = ["dollarmath"]

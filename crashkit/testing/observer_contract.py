@@ -103,16 +103,18 @@ class ObserverContract:
                     expected[:, channels != sensor] = 0.0
                 assert np.abs(difference - expected)[1:-1].max() <= self.derivative * np.abs(expected).max() + 1e-9
 
+    @pytest.mark.parametrize("perfect", [True, False])
     def test_sensitivities_agree_with_differences(
-        self, observer: Observer, instrument: xr.Dataset, motion: xr.Dataset
+        self, observer: Observer, instrument: xr.Dataset, motion: xr.Dataset, perfect: bool
     ) -> None:
+        errors = {} if perfect else {"": {spec.name: _wrong(spec) for spec in observer.errors}}
         directions = _directions(motion)
-        sensitivity = observer.predict(motion.assign(directions), instrument)[f"{observer.quantity}_sensitivity"]
+        sensitivity = observer.predict(motion.assign(directions), instrument, errors)[f"{observer.quantity}_sensitivity"]
         assert sensitivity.dims == (*instrument[observer.quantity].dims, "parameter")
         assert np.abs(sensitivity).max() > 0.0
         for parameter in range(sensitivity.sizes["parameter"]):
             ahead, behind = (
-                observer.predict(_moved(motion, directions, parameter, step), instrument)[observer.quantity].values
+                observer.predict(_moved(motion, directions, parameter, step), instrument, errors)[observer.quantity].values
                 for step in (STEP, -STEP)
             )
             expected = sensitivity.isel(parameter=parameter).values
@@ -134,6 +136,11 @@ def _null(spec: ParameterSpec) -> float:
     return spec.null
 
 
+def _wrong(spec: ParameterSpec) -> float:
+    """A value of the error that is well off its null."""
+    return _null(spec) + 0.1 * (spec.upper - _null(spec) if np.isfinite(spec.upper) else 1.0)
+
+
 def _recorded(observer: Observer, instrument: xr.Dataset, motion: xr.Dataset) -> xr.Dataset:
     predicted = observer.predict(motion, instrument)[observer.quantity]
     return instrument.assign({observer.quantity: (predicted.dims, predicted.values, instrument[observer.quantity].attrs)})
@@ -151,11 +158,11 @@ def _error_difference(
 
 
 def _directions(motion: xr.Dataset) -> dict[str, xr.Variable]:
-    """Two smooth directions of change, x = t^2 and x = t^3, as sensitivities of all that a motion may hold."""
+    """Two smooth directions of change, x = 1 + t^2 and x = t^3, as sensitivities of all that a motion may hold."""
     time = motion["time"].values
     t = time / time[-1]
     powers = {
-        "position": np.stack([t**2, t**3], axis=-1),
+        "position": np.stack([1 + t**2, t**3], axis=-1),
         "velocity": np.stack([2 * t, 3 * t**2], axis=-1) / time[-1],
     }
     other = np.stack([np.ones_like(t), 6 * t], axis=-1)

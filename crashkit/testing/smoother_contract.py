@@ -97,7 +97,7 @@ def channel(times: np.ndarray, samples: np.ndarray) -> xr.DataArray:
 
 
 def stop(times: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """A stop from 14 m/s between 0.02 and 0.12 s, x'' = -A sin^2(pi (t - 0.02) / 0.1): times; position, velocity, acceleration."""
+    """A stop from 14 m/s, x'' = -A sin^2(pi (t - 0.02) / 0.1) from 0.02 to 0.12 s: times; position, velocity, acceleration."""
     start, duration, speed = 0.02, 0.1, 14.0
     s = np.clip(times - start, 0.0, duration)
     w, half = 2.0 * np.pi / duration, speed / duration

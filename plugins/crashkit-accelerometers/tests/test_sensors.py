@@ -115,6 +115,15 @@ def test_a_filtered_channel_is_predicted_through_its_filter(motion: xr.Dataset, 
     np.testing.assert_allclose(predicted[:, 0, 0], filter_channel(sensed, times, cfc, before=3.0), atol=1e-9)
 
 
+def test_a_filtered_channel_that_starts_with_a_jump_was_at_rest_before() -> None:
+    times = np.arange(-400, 801) * 1e-4
+    motion = motion_at(times[400:]) + 100.0
+    whole = Accelerometer().predict(motion, accelerometer_at(times, 180))["acceleration"].values
+    from_contact = Accelerometer().predict(motion, accelerometer_at(times[400:], 180))["acceleration"].values
+    np.testing.assert_allclose(from_contact, whole[400:], atol=1e-6)
+    assert 40.0 < from_contact[0, 0, 0] < 60.0
+
+
 def test_the_filter_stops_at_the_end_of_the_motion() -> None:
     times = np.arange(1201) * 1e-4
     motion = motion_at(times[:1001])

@@ -1,9 +1,9 @@
 """The law keeps the contract of spring laws."""
 
 import pytest
-from crashkit_example_law.hardening import Hardening
 
 from crashkit.testing import SpringLawContract
+from crashkit_example_law.hardening import Hardening
 
 
 class TestHardening(SpringLawContract):

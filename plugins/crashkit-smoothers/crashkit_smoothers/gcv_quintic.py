@@ -20,8 +20,8 @@ class GcvQuintic(Smoother):
     """Minimises sum (z_i - f(t_i))^2 + p integral (f''')^2 dt over quintic splines f, with p by generalised cross-validation.
 
     The bands are those of the Bayesian posterior, s^2 (B'B + p R)^-1, with B the basis, R its roughness and s the noise:
-    s^2 = |(I - A) z|^2 / tr(I - A) with A the influence matrix, unless it is given. The noise is taken as white: a channel
-    whose noise has been filtered is smoothed too little.
+    s^2 = |(I - A) z|^2 / tr(I - A) with A the influence matrix, unless it is given. The noise is taken as white: a
+    filtered channel is followed sample by sample, unless it is thinned out to independent ones first.
 
     Mizzi & Jezequel 1992, eq 31-32; Wahba 1983, doi:10.1111/j.2517-6161.1983.tb01239.x.
     """
