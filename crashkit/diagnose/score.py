@@ -17,7 +17,7 @@ class Score:
 
     Attributes:
         proposal: the physics.
-        values: of the model's and the new parameters to start a fit from.
+        values: of the model's and the new parameters to start a fit from: from the null, a fit can only gain.
         drop: of the sum of squares below the reference, once the model's own parameters have adjusted.
     """
 
@@ -29,15 +29,15 @@ class Score:
 def score(proposal: Proposal, start: dict[str, float], misfit: Misfit, reference: float) -> Score | None:
     """The promise of a proposal from one of its starts.
 
-    minimise |r + J Δu|² over the new parameters and the model's own, at the null of the physics (or, where it has none, at
-    the start itself), within the bounds.
+    minimise |r + J Δu|² over the new parameters and the model's own, within the bounds, from the null of the physics as far as
+    the start does not say otherwise.
 
     Arguments:
         start: values by path; what it does not name keeps the model's value.
         misfit: of the proposal's model.
         reference: sum of squared residuals without the physics.
     """
-    point = misfit.start_at({**start, **proposal.null})
+    point = misfit.start_at({**proposal.null, **start})
     try:
         residual, jacobian = misfit.residual_and_jacobian(point)
     except SimulationError:
@@ -47,8 +47,7 @@ def score(proposal: Proposal, start: dict[str, float], misfit: Misfit, reference
     reach = np.where(new | (size == 0), np.inf, LONGEST_STEP * size)
     step = _bounded_step(residual, jacobian, point, *misfit.bounds(), reach)
     drop = reference - float(np.sum((residual + jacobian @ step) ** 2))
-    moved = np.where(new & np.isin(misfit.names, list(proposal.null)), point + step, point)
-    return Score(proposal, misfit.values(moved), drop)
+    return Score(proposal, misfit.values(point), drop)
 
 
 def _bounded_step(

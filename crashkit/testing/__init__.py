@@ -9,13 +9,17 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from crashkit.testing.hypothesis_contract import HypothesisContract
     from crashkit.testing.identifier_contract import IdentifierContract
+    from crashkit.testing.observer_contract import ObserverContract
+    from crashkit.testing.smoother_contract import SmootherContract
     from crashkit.testing.spring_law_contract import SpringLawContract
 
-__all__ = ["HypothesisContract", "IdentifierContract", "SpringLawContract"]
+__all__ = ["HypothesisContract", "IdentifierContract", "ObserverContract", "SmootherContract", "SpringLawContract"]
 
 _HOME = {
     "HypothesisContract": "hypothesis_contract",
     "IdentifierContract": "identifier_contract",
+    "ObserverContract": "observer_contract",
+    "SmootherContract": "smoother_contract",
     "SpringLawContract": "spring_law_contract",
 }
 

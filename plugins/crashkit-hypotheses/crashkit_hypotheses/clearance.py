@@ -27,7 +27,7 @@ class Clearance(Hypothesis):
         gap = {"clearance": Parameter(0.0, 0.0, max(reached, 0.01))}
         changed = evolve(joint, parameters={**joint.parameters, **gap})
         augmented = evolve(model, joints=tuple(changed if j.name == joint.name else j for j in model.joints))
-        starts = grid(clearance=[share * max(reached, 0.01) for share in (0.02, 0.1, 0.3)])
+        starts = [{}, *grid(clearance=[share * max(reached, 0.01) for share in (0.05, 0.2)])]
         prefix = f"joint.{joint.name}."
         return proposal(self.physics, "gap", {"joint": joint.name}, augmented, prefix, gap, "clearance", starts)
 

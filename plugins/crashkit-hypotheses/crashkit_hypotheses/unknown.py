@@ -7,13 +7,13 @@ import xarray as xr
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import largest_deformation, largest_rate, parallel
+from crashkit_hypotheses.build import largest_deformation, largest_force, largest_rate, parallel
 
 KNOTS = 10
 
 
 class Unknown(Hypothesis):
-    """F = F_law + f(d), or + f(ddot), f a table over the range that the recordings cover."""
+    """F = F_law + f(d), or + f(ddot), f a smooth table over the range that the recordings cover."""
 
     physics: ClassVar[str] = "unknown"
     sentence: ClassVar[str] = "{place} carries a force that none of the known physics explains"
@@ -25,9 +25,10 @@ class Unknown(Hypothesis):
 
     def _forms(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
         reach = {"deformation": largest_deformation(motion, joint.name), "rate": largest_rate(motion, joint.name)}
+        most = max(largest_force(motion, joint.name), 1.0)
         laws = {"deformation": "smooth_table", "rate": "rate_table"}
-        return [self._table(model, joint, form, laws[form], 1.05 * reach[form]) for form in laws]
+        return [self._table(model, joint, form, laws[form], reach[form], 2.0 * most) for form in laws]
 
-    def _table(self, model: Model, joint: Joint, form: str, law: str, reach: float) -> Proposal:
-        table = {"force": tuple(Parameter(0.0, -1e8, 1e8) for _ in range(KNOTS)), "range": Parameter(reach, fixed=True)}
+    def _table(self, model: Model, joint: Joint, form: str, law: str, reach: float, most: float) -> Proposal:
+        table = {"force": tuple(Parameter(0.0, -most, most) for _ in range(KNOTS)), "range": Parameter(reach, fixed=True)}
         return parallel(model, joint, self.physics, form, law, table, "force")

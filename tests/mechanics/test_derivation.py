@@ -1,0 +1,192 @@
+"""What is read from the source of a law, and what is refused."""
+
+import math
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+from crashkit.errors import CrashkitError
+from crashkit.mechanics import LawFunction
+from crashkit.mechanics.emit import emit
+from crashkit.protocols import ParameterSpec, SpringLaw
+
+LIMIT = 0.3
+
+
+def law_of(function, *parameters):
+    specs = tuple(ParameterSpec(name, "1", "any", vector=name.startswith("v")) for name in parameters)
+    return type("Law", (SpringLaw,), {"name": "tested", "parameters": specs, "force": staticmethod(function)})
+
+
+def functions(law, *sizes):
+    """The emitted functions as plain Python."""
+    written = {"math": math, "compiled": lambda f: f, "power_slope": lambda a, b: a**b * math.log(a)}
+    exec(emit(LawFunction(law, sizes), "law"), written)
+    return written["law_mode"], written["law_frozen"], written["law_partials"]
+
+
+def check(law, state, parameters, *sizes):
+    """Value and partials at a state, against the law itself and its central differences."""
+    mode, frozen, partials = functions(law, *sizes)
+    vector = np.array([entry for value in parameters for entry in np.atleast_1d(value)], float)
+    bits = mode(*state, vector, 0)
+    value, guard = frozen(bits, *state, vector, 0)
+    assert value == pytest.approx(law.force(*state, *parameters), rel=1e-14)
+    assert guard >= 0.0
+    found = np.empty(3 + vector.size)
+    assert partials(bits, *state, vector, 0, found) == value
+    inputs = np.concatenate([state, vector])
+    for i, h in enumerate(1e-6 * np.maximum(1.0, np.abs(inputs))):
+        above, below = (inputs + sign * h * (np.arange(inputs.size) == i) for sign in (1, -1))
+        slope = (frozen(bits, *above[:3], above[3:], 0)[0] - frozen(bits, *below[:3], below[3:], 0)[0]) / (2 * h)
+        assert found[i] == pytest.approx(slope, rel=1e-6, abs=1e-8)
+    return bits, value, guard
+
+
+def everything(d, ddot, d_max, a, b, v):
+    """Every construction of the subset."""
+    total: float = 0.0
+    for i in range(len(v) - 1):
+        if v[i] <= d < v[i + 1]:
+            total += a * (d - v[i]) ** 2
+    for i, entry in enumerate(v):
+        total -= entry * max(0.0, d - i * LIMIT, ddot) / (1 + b)
+    total = total + (math.sin(d * a) if not (ddot > 0 and d_max > 2 * d) else -math.exp(-abs(ddot)))
+    if a > b or d > 5.0:
+        return total * math.pi
+    elif min(a, d) < v[-1]:
+        return math.sqrt(1.0 + total**2) + a**b
+    return math.tanh(total) * math.log(1.0 + d_max) + 2.0**a
+
+
+@pytest.mark.parametrize("d", [-0.2, 0.35, 0.75, 1.6])
+@pytest.mark.parametrize("ddot", [-0.5, 0.4])
+@pytest.mark.parametrize("a", [0.3, 1.4])
+@pytest.mark.parametrize("d_max", [1.7, 4.0])
+def test_the_whole_subset(d, ddot, d_max, a):
+    check(law_of(everything, "a", "b", "v"), (d, ddot, d_max), (a, 0.8, [0.1, 0.5, 1.1]), 3)
+
+
+def test_branches_of_parameters_alone_have_no_guard():
+    def force(d, ddot, d_max, a):
+        return a * d if a > 1.0 else -a * d
+
+    law = law_of(force, "a")
+    assert check(law, (0.5, 0.0, 0.5), (2.0,)) == (0, 1.0, math.inf)
+    assert check(law, (0.5, 0.0, 0.5), (0.5,)) == (0, -0.25, math.inf)
+
+
+def test_the_guard_is_the_distance_to_the_nearest_branch():
+    def force(d, ddot, d_max, a):
+        return a * max(0.0, d - 0.2) + min(0.0, ddot)
+
+    law = law_of(force, "a")
+    assert check(law, (0.5, 2.0, 0.5), (3.0,))[2] == pytest.approx(0.3)
+    assert check(law, (0.5, 0.1, 0.5), (3.0,))[2] == pytest.approx(0.1)
+    mode, frozen, _ = functions(law)
+    before = mode(0.5, 0.1, 0.5, [3.0], 0)
+    assert frozen(before, 0.15, 0.1, 0.5, [3.0], 0) == (pytest.approx(-0.15), pytest.approx(-0.05))
+
+
+def loop(d, ddot, d_max, a):
+    while d > a:
+        d = d - a
+    return d
+
+
+def helper(d, ddot, d_max, a):
+    return loop(d, ddot, d_max, a)
+
+
+def equality(d, ddot, d_max, a):
+    return a if d == 0.0 else 0.0
+
+
+def open_path(d, ddot, d_max, a):
+    if d > a:
+        return d
+
+
+def one_side(d, ddot, d_max, a):
+    if d > a:
+        x = 1.0
+    return x
+
+
+def too_far(d, ddot, d_max, v):
+    return v[3] * d
+
+
+def bare(d, ddot, d_max, v):
+    return v * d
+
+
+def moving(d, ddot, d_max, v):
+    return v[d]
+
+
+def many(d, ddot, d_max, v):
+    total = 0.0
+    for knot in range(len(v)):
+        total = total + v[knot] * max(0.0, d - knot)
+    return total
+
+
+def remainder(d, ddot, d_max, a):
+    return d % a
+
+
+REFUSED = [
+    (loop, ("a",), (), "found `while d > a:`; use assignments, if, min"),
+    (helper, ("a",), (), r"found `loop\(d, ddot, d_max, a\)`; use .*; of math: acos"),
+    (equality, ("a",), (), "found a state compared for equality; compare with <, <=, > or >="),
+    (open_path, ("a",), (), "found a path without return; return the force on every path"),
+    (one_side, ("a",), (), "found `x`, which is not assigned on every path and no constant"),
+    (too_far, ("v",), (3,), "found entry 3 of `v`; it has 3 entries"),
+    (bare, ("v",), (3,), r"found the vector `v` without an index; write v\[i\]"),
+    (moving, ("v",), (3,), "found the index `d`; use whole numbers that do not depend on the state"),
+    (many, ("v",), (63,), "found 63 branches; at most 62 are possible: use fewer knots"),
+    (remainder, ("a",), (), "found `d % a`; use assignments"),
+    (helper, ("a", "b"), (), "found arguments d, ddot, d_max, a; expected d, ddot, d_max, a, b"),
+]
+
+
+@pytest.mark.parametrize(("function", "parameters", "sizes", "message"), REFUSED)
+def test_what_is_outside_the_subset_is_named_with_line_and_remedy(function, parameters, sizes, message):
+    with pytest.raises(CrashkitError, match=rf"^spring law tested \(.*test_derivation.py:\d+\): {message}"):
+        emit(LawFunction(law_of(function, *parameters), sizes), "law")
+
+
+def test_the_line_is_the_line_of_the_file():
+    line = equality.__code__.co_firstlineno + 1
+    with pytest.raises(CrashkitError, match=f"test_derivation.py:{line}"):
+        emit(LawFunction(law_of(equality, "a")), "law")
+
+
+def test_a_law_without_source():
+    written: dict = {}
+    exec("def force(d, ddot, d_max):\n    return d\n", written)
+    with pytest.raises(CrashkitError, match="spring law tested: its force has no source that can be read .* define it with def"):
+        emit(LawFunction(law_of(written["force"])), "law")
+
+
+class Indented(SpringLaw):
+    """Defined as a third party would."""
+
+    name = "indented"
+    parameters: ClassVar = (ParameterSpec("k", "N m-1", "slope"),)
+
+    @staticmethod
+    def force(
+        d: float,
+        ddot: float,
+        d_max: float,
+        k: float,
+    ) -> float:
+        """With a docstring."""
+        return k * d
+
+
+def test_a_method_over_several_lines():
+    assert check(Indented, (0.5, 0.0, 0.5), (3.0,))[1] == 1.5
