@@ -1,6 +1,6 @@
 """Effects come in twos: name the strongest, look again at what is left, then question each in the light of the others."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from attrs import field, frozen
@@ -9,6 +9,7 @@ from crashkit.diagnose.name import Progress, Rival, best_forms, fit_rivals, iden
 from crashkit.diagnose.search import Search, begin
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
+from crashkit.model import Model
 from crashkit.protocols import Proposal
 
 MOST_FINDINGS = 3
@@ -60,7 +61,7 @@ def discover(workshop: Workshop, base_search: Search, progress: Progress) -> Dis
     rounds: list[Round] = []
     current, search = base, base_search
     while True:
-        look = _look(workshop, current, [r.rivals[0] for r in rounds], progress)
+        look = _look(workshop, base, current, [r.rivals[0] for r in rounds], progress)
         if look.winner is None or len(rounds) == MOST_FINDINGS:
             break
         rounds.append(look)
@@ -71,10 +72,11 @@ def discover(workshop: Workshop, base_search: Search, progress: Progress) -> Dis
     return Discovery(base, search.fitted(), search, tuple(rounds), look)
 
 
-def _look(workshop: Workshop, current: Misfit, found: Sequence[Rival], progress: Progress) -> Round:
-    """Every hypothesis that has not been found already, against what is left."""
+def _look(workshop: Workshop, given: Misfit, current: Misfit, found: Sequence[Rival], progress: Progress) -> Round:
+    """Every hypothesis that has not been found already, at the places of the given model, against what is left."""
     known = {rival.identity for rival in found}
-    proposals = [p for p in propose_all(workshop.hypotheses, current) if identity(p) not in known]
+    everything = propose_all(workshop.hypotheses, current)
+    proposals = [p for p in everything if identity(p) not in known and _is_given(given.model, p.location)]
     equipped = workshop.equipped([p.model for p in proposals])
     best = best_forms(fit_rivals(equipped, current, proposals, progress))
     chances, nothing = probabilities(best, len({identity(p) for p in proposals}))
@@ -91,7 +93,7 @@ def _reconsider(
     for rival in [r.rivals[0] for r in rounds]:
         others = [other for other in kept if other is not rival]
         without = rebuild(workshop, base_search, others)
-        look = _look(workshop, without.fitted(), others, progress)
+        look = _look(workshop, base_search.misfit, without.fitted(), others, progress)
         if look.winner is None:
             kept, search = others, without
             continue
@@ -113,6 +115,12 @@ def rebuild(workshop: Workshop, base_search: Search, rivals: Sequence[Rival]) ->
         start = {name: found[name] for name in misfit.names if name in found}
         search = begin(workshop.identifier, misfit.with_values(start)).advance(STEPS)
     return search
+
+
+def _is_given(model: Model, location: Mapping[str, object]) -> bool:
+    """What a finding has added is not itself a place for further physics."""
+    names = {"joint": [joint.name for joint in model.joints], "body": [body.name for body in model.bodies]}
+    return all(location[kind] in known for kind, known in names.items() if kind in location)
 
 
 def _same(first: Proposal, second: Proposal) -> bool:

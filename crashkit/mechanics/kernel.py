@@ -300,7 +300,7 @@ def integrate(
             choose_branches(joints, functions, parameters, state, tangent, joint_tangent, ahead)
             guard, culprit = accelerate(bodies, joints, functions, parameters, state, START)
         if guard == -math.inf or crossings > MAX_CROSSINGS:
-            return NOT_FINITE if guard == -math.inf else NO_PROGRESS, culprit, t
+            return NOT_FINITE if guard == -math.inf or ahead > 0.0 else NO_PROGRESS, culprit, t
         if tangent.shape[3] > 0:
             accelerate_tangent(bodies, joints, functions, parameters, state, columns, tangent, joint_tangent, partials, START)
         if times[k] - t <= RESOLUTION * step:

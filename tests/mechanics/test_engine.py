@@ -18,7 +18,7 @@ bodies = (Body("a", (0.0,), (0.0,), fixed=True), Body("b", (1.0,), (1.0,), Param
 joint = Joint("j", ("a", "b"), "tension_spring", {"stiffness": Parameter(1.0)})
 model = Model("m", ("x",), bodies, (joint,))
 simulator = Simulator(model, {"tension_spring": TensionSpring})
-print(simulator.run([1.0])["position"].values[0, 1, 0], simulator.engine.module.integrate.stats.cache_hits)
+print(simulator.run([1.0])["position"].values[0, 1, 0], sum(simulator.engine.module.integrate.stats.cache_hits.values()))
 """
 
 

@@ -53,7 +53,7 @@ def test_a_motion_can_be_written_and_selected(simulator, model, tmp_path):
 
 def test_sensitivities_leave_the_motion_as_it_is(simulator, model):
     plain, other = (simulator(model).run(TIMES, sensitivities=paths) for paths in ([], ["joint.spring.crush_force"]))
-    assert plain.identical(other[list(plain)].drop_vars("parameter"))
+    assert plain.identical(other.drop_dims("parameter"))
 
 
 def test_the_wall_feels_what_the_mass_feels(simulator, model):
@@ -172,7 +172,7 @@ def test_an_engine_for_other_laws(laws, model):
 
 
 class Jump(SpringLaw):
-    """Not continuous: pushes hard on one side of d = 0.1 and pulls on the other, so that the mass is held there."""
+    """Not continuous: dry friction that jumps with the direction of the rate, and so holds the mass at rest."""
 
     name = "jump"
     passive = False
@@ -180,7 +180,7 @@ class Jump(SpringLaw):
 
     @staticmethod
     def force(d, ddot, d_max, push):
-        return push if d > 0.1 else -push
+        return push if ddot > 0.0 else -push
 
 
 class Pole(SpringLaw):
@@ -210,7 +210,7 @@ def _functions(name, laws):
 
 def test_a_law_that_holds_its_joint_on_a_jump(strange, against_wall):
     laws, engine = strange
-    with pytest.raises(SimulationError, match="no progress past the branches of joint spring between wall and mass at t = 0"):
+    with pytest.raises(SimulationError, match="no progress past the branches of joint spring between wall and mass at t = 0.02"):
         Simulator(against_wall("jump", {"push": 50.0}), laws, engine).run(TIMES, step=1e-3)
 
 

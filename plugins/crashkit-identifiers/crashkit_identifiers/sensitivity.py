@@ -12,6 +12,8 @@ from crashkit_identifiers.result import summarise
 FIRST_DAMPING = 1e-3
 LARGEST_DAMPING = 1e12
 ATTEMPTS = 12
+EXACT = 1e-22
+"""Share of the first cost that rounding leaves where a model fits exactly."""
 
 
 @frozen
@@ -58,7 +60,7 @@ class Sensitivity(Identifier[SensitivityState]):
         for _ in range(ATTEMPTS):
             move = _move(problem, state)
             promised = -(state.gradient @ move + 0.5 * move @ state.curvature @ move)
-            if promised <= max(self.tolerance * state.cost, self.least_drop, 1e-300):
+            if promised <= max(self.tolerance * state.cost, self.least_drop, EXACT * state.path[0][0]):
                 return evolve(state, status=_verdict(state))
             accepted = _attempt(problem, state, state.point + move, promised)
             if accepted is not None:
