@@ -10,9 +10,10 @@ from crashkit.diagnose.consistency import check_instruments
 from crashkit.diagnose.finding import estimates, experiment, make_finding, with_experiment
 from crashkit.diagnose.fits import curves_of, fit_of, predict
 from crashkit.diagnose.name import Progress, Rival
-from crashkit.diagnose.reidentify import reidentify
+from crashkit.diagnose.reidentify import refine, reidentify
 from crashkit.diagnose.result import Alternative, Diagnosis, Finding, Fit, place_of
 from crashkit.diagnose.rounds import Discovery, Round, discover, run_drops
+from crashkit.diagnose.search import Search
 from crashkit.diagnose.show import action_of, identified_table, missing_force_tree, ranking_table, units_of
 from crashkit.diagnose.words import noted, summarise
 from crashkit.diagnose.workshop import Workshop
@@ -42,19 +43,23 @@ def diagnose(
     """
     progress("re-identifying the model", 0.0)
     equipped = workshop.rehearsed(model, recordings.values())
-    thin = equipped.thinned(recordings)
-    discovery = discover(equipped, reidentify(equipped.identifier, equipped.first_misfit(model, thin)), progress)
+    given = equipped.first_misfit(model, equipped.thinned(recordings))
+    discovery = discover(equipped, given, reidentify(equipped.identifier, given), progress)
     progress("refining on every sample", 0.0)
     return _told(equipped, _refined(equipped, discovery, recordings), holdout)
 
 
 def _refined(workshop: Workshop, discovery: Discovery, recordings: Mapping[str, xr.DataTree]) -> Discovery:
     """The base and the final model fitted to every sample; the search made do with thinner recordings."""
-    base, final = (
-        reidentify(workshop.identifier, workshop.first_misfit(misfit.model, recordings))
-        for misfit in (discovery.base, discovery.final)
-    )
+    workshop = workshop.equipped([discovery.base.model, discovery.final.model])
+    base, final = (_on_every_sample(workshop, m, recordings) for m in (discovery.base, discovery.final))
     return evolve(discovery, base=base.fitted(), final=final.fitted(), search=final)
+
+
+def _on_every_sample(workshop: Workshop, misfit: Misfit, recordings: Mapping[str, xr.DataTree]) -> Search:
+    levels = {(c.instrument, c.sensor, c.axis): c.noise.std for c in misfit.channels if not c.noise.trusted}
+    full = workshop.first_misfit(misfit.model, recordings)
+    return refine(workshop.identifier, full.with_levels(levels))
 
 
 def _told(workshop: Workshop, discovery: Discovery, holdout: Mapping[str, xr.DataTree]) -> Diagnosis:
@@ -150,5 +155,4 @@ def _by_run(misfit: Misfit) -> dict[str, list[Group]]:
 
 def _weighed_alike(unseen: Misfit, base: Misfit) -> Misfit:
     """Open noise levels of held-out channels are those that the calibration left."""
-    levels = {(c.instrument, c.sensor, c.axis): c.noise for c in base.channels if not c.noise.trusted}
-    return unseen.with_noise(levels)
+    return unseen.with_levels({(c.instrument, c.sensor, c.axis): c.noise.std for c in base.channels if not c.noise.trusted})

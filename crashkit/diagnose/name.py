@@ -2,8 +2,6 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TypeVar
-
 import numpy as np
 from attrs import frozen
 
@@ -15,12 +13,17 @@ from crashkit.misfit import Misfit
 from crashkit.protocols import Hypothesis, Proposal
 
 Progress = Callable[[str, float], None]
-Runner = TypeVar("Runner")
+Entrant = tuple[Proposal, Search]
 
-HEATS = ((28, 3), (12, 6), (6, 40))
-"""How many rivals enter each heat of fits, and how many steps each of them gets there."""
-LEAST_PROMISE = 6.0
-"""A drop in chi squared below this is not worth a fit: the evidence asks for more of a single parameter."""
+STARTS = 2
+"""How many starts of each claim are fitted, from each origin."""
+HEATS = ((300, 8), (16, 8), (6, 40))
+"""How many of them enter each heat of fits, and how many steps each gets there."""
+CONCEALED = 1.3
+"""Normalised residual of the re-identified model above which it may have hidden physics in wrong values of its own; then the
+hypotheses are also fitted from the values that the user gave."""
+LEAST_PROMISE = 1e-3
+"""A drop in chi squared below this says that nothing of the effect is excited."""
 UNKNOWN_ODDS = 1e-2
 """Prior odds of an unheard-of force against a known one."""
 
@@ -61,17 +64,23 @@ def propose_all(hypotheses: Mapping[str, type[Hypothesis]], base: Misfit) -> lis
     return [p for kind in hypotheses.values() for p in kind().propose(base.model, motions, recordings)]
 
 
-def fit_rivals(workshop: Workshop, base: Misfit, proposals: Sequence[Proposal], progress: Progress) -> list[Rival]:
+def fit_rivals(
+    workshop: Workshop, base: Misfit, given: Misfit, proposals: Sequence[Proposal], progress: Progress
+) -> list[Rival]:
     """The fitted hypotheses, the most evident first.
 
     Arguments:
         base: the misfit of the model without them, at its best fit.
+        given: the same at the values that the user gave.
         proposals: all of them built on that model.
         progress: told what is being done and how far it is (0 to 1).
     """
     residual = base.residual(base.start())
-    scores = _scores(workshop, base, proposals, float(residual @ residual), progress)
-    searches = _heats(workshop, base, scores, progress)
+    reference = float(residual @ residual)
+    entrants = _entrants(workshop, base, proposals, reference, STARTS, progress)
+    if np.sqrt(reference / base.independent_samples) > CONCEALED:
+        entrants += _entrants(workshop, given, proposals, np.inf, STARTS, progress)
+    searches = _heats(entrants, progress)
     ranked = [_rival(proposal, search, base.deviance(residual)) for proposal, search in searches]
     return sorted(ranked, key=lambda rival: -rival.evidence)
 
@@ -102,39 +111,44 @@ def _rival(proposal: Proposal, search: Search, reference: float) -> Rival:
     return Rival(proposal, search, drop, 0.5 * (drop - float(price)))
 
 
-def _scores(
-    workshop: Workshop, base: Misfit, proposals: Sequence[Proposal], reference: float, progress: Progress
-) -> list[Score]:
+def _entrants(
+    workshop: Workshop, origin: Misfit, proposals: Sequence[Proposal], reference: float, most: int, progress: Progress
+) -> list[Entrant]:
+    """Searches from the best starts of every claim, the model's own parameters at their values in `origin`.
+
+    No claim is dropped on its score alone: the model's own parameters may hide an effect so well that its score is small.
+    """
     tasks = [(proposal, dict(start)) for proposal in proposals for start in proposal.starts]
     scores = []
     for done, (proposal, start) in enumerate(tasks):
         progress(f"scoring {proposal.physics} at {place_of(proposal.location)}", done / len(tasks))
-        scores.append(score(proposal, start, workshop.misfit(base, proposal.model), reference))
-    return [one for one in scores if one is not None]
+        scores.append(score(proposal, start, workshop.misfit(origin, proposal.model), reference))
+    promising = sorted((s for s in scores if s is not None and s.drop > LEAST_PROMISE), key=lambda s: -s.drop)
+    return [_entrant(workshop, origin, one) for one in _first_of_each(promising, most)]
 
 
-def _heats(workshop: Workshop, base: Misfit, scores: Sequence[Score], progress: Progress) -> list[tuple[Proposal, Search]]:
-    """Successive halving: a few steps for many, then many steps for the few that are ahead."""
-    promising = sorted((s for s in scores if s.drop > LEAST_PROMISE), key=lambda s: -s.drop)
-    chosen = _spread(promising, lambda s: identity(s.proposal), HEATS[0][0])
-    runners = [
-        (s.proposal, begin(workshop.identifier, workshop.misfit(base, s.proposal.model).with_values(s.values))) for s in chosen
-    ]
+def _entrant(workshop: Workshop, origin: Misfit, promising: Score) -> Entrant:
+    misfit = workshop.misfit(origin, promising.proposal.model).with_values(promising.values)
+    return promising.proposal, begin(workshop.identifier, misfit)
+
+
+def _first_of_each(ranked: Sequence[Score], most: int) -> list[Score]:
+    """The best few of each claim."""
+    seen: Counter[tuple[str, str]] = Counter()
+    chosen = []
+    for one in ranked:
+        seen[identity(one.proposal)] += 1
+        if seen[identity(one.proposal)] <= most:
+            chosen.append(one)
+    return chosen
+
+
+def _heats(entrants: Sequence[Entrant], progress: Progress) -> list[Entrant]:
+    """Successive halving: a few steps for all, then many steps for the few that are ahead."""
     for size, steps in HEATS:
-        ahead = sorted(runners, key=lambda runner: runner[1].state.cost)
-        ahead = _spread(ahead, lambda runner: identity(runner[0]), size)
-        runners = []
+        ahead = sorted(entrants, key=lambda entrant: entrant[1].state.cost)[:size]
+        entrants = []
         for done, (proposal, search) in enumerate(ahead):
             progress(f"fitting {proposal.physics} at {place_of(proposal.location)}", done / len(ahead))
-            runners.append((proposal, search.advance(steps)))
-    return runners
-
-
-def _spread(ranked: Sequence[Runner], claim: Callable[[Runner], tuple[str, str]], size: int) -> list[Runner]:
-    """The first `size`, those after the third of one claim last."""
-    seen: Counter[tuple[str, str]] = Counter()
-    first, rest = [], []
-    for one in ranked:
-        seen[claim(one)] += 1
-        (first if seen[claim(one)] <= 3 else rest).append(one)
-    return (first + rest)[:size]
+            entrants.append((proposal, search.advance(steps)))
+    return list(entrants)

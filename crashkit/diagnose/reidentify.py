@@ -2,23 +2,51 @@
 
 from typing import Any
 
+import numpy as np
+
 from crashkit.diagnose.search import Search, begin
 from crashkit.misfit import Misfit
 from crashkit.protocols import Identifier
 
 STEPS = 60
 REWEIGHTINGS = 3
+SCATTER = 0.07
+"""Relative scatter of the starts about the given values."""
+HEATS = ((10, 6), (4, 10), (2, STEPS))
+"""How many starts enter each heat, and how many steps each gets there."""
 
 
 def reidentify(identifier: Identifier[Any], misfit: Misfit) -> Search:
     """The best fit of the model as it is; what then remains, no tuning of its parameters removes.
 
+    A wrong model has many local optima where thresholds are crossed, so the search begins at the given values and around them.
     Channels whose noise level is open are weighed by what the model leaves of them, which the fit itself changes: a few
     rounds settle that.
     """
-    search = begin(identifier, misfit).advance(STEPS)
+    search = _best_of_many(identifier, misfit)
     if all(channel.noise.trusted for channel in misfit.channels):
         return search
     for _ in range(REWEIGHTINGS):
         search = begin(identifier, search.fitted().reweighted(search.point)).advance(STEPS)
     return search
+
+
+def refine(identifier: Identifier[Any], misfit: Misfit) -> Search:
+    """The fit from values that are already good."""
+    return begin(identifier, misfit).advance(STEPS)
+
+
+def _best_of_many(identifier: Identifier[Any], misfit: Misfit) -> Search:
+    searches = [begin(identifier, misfit.with_values(misfit.values(start))) for start in _starts(misfit)]
+    for size, steps in HEATS:
+        ahead = sorted(searches, key=lambda search: search.state.cost)[:size]
+        searches = [search.advance(steps) for search in ahead]
+    return min(searches, key=lambda search: search.state.cost)
+
+
+def _starts(misfit: Misfit) -> list[np.ndarray]:
+    """The given values, and others scattered about them within the bounds; the same each time."""
+    start, (lower, upper) = misfit.start(), misfit.bounds()
+    relative = np.abs(misfit.parameters(start)) / misfit.scaling(start)
+    scatter = np.random.default_rng(0).normal(0.0, SCATTER, (HEATS[0][0] - 1, len(start)))
+    return [start, *(np.clip(start + move * relative, lower, upper) for move in scatter)]

@@ -55,20 +55,25 @@ class Discovery:
     last: Round | None = None
 
 
-def discover(workshop: Workshop, base_search: Search, progress: Progress) -> Discovery:
-    """All findings that the evidence supports, each in the light of the others."""
+def discover(workshop: Workshop, given: Misfit, base_search: Search, progress: Progress) -> Discovery:
+    """All findings that the evidence supports, each in the light of the others.
+
+    Arguments:
+        given: the misfit of the model at the values that the user gave.
+        base_search: its best fit.
+    """
     base = base_search.fitted()
     rounds: list[Round] = []
     current, search = base, base_search
     while True:
-        look = _look(workshop, base, current, [r.rivals[0] for r in rounds], progress)
+        look = _look(workshop, given, current, [r.rivals[0] for r in rounds], progress)
         if look.winner is None or len(rounds) == MOST_FINDINGS:
             break
         rounds.append(look)
         search = look.winner.search
         current = search.fitted()
     if len(rounds) > 1:
-        rounds, search = _reconsider(workshop, base_search, rounds, progress)
+        rounds, search = _reconsider(workshop, given, base_search, rounds, progress)
     return Discovery(base, search.fitted(), search, tuple(rounds), look)
 
 
@@ -78,13 +83,13 @@ def _look(workshop: Workshop, given: Misfit, current: Misfit, found: Sequence[Ri
     everything = propose_all(workshop.hypotheses, current)
     proposals = [p for p in everything if identity(p) not in known and _is_given(given.model, p.location)]
     equipped = workshop.equipped([p.model for p in proposals])
-    best = best_forms(fit_rivals(equipped, current, proposals, progress))
+    best = best_forms(fit_rivals(equipped, current, _as_given(current, given), proposals, progress))
     chances, nothing = probabilities(best, len({identity(p) for p in proposals}))
     return Round(tuple(best), tuple(chances.tolist()), nothing, current)
 
 
 def _reconsider(
-    workshop: Workshop, base_search: Search, rounds: list[Round], progress: Progress
+    workshop: Workshop, given: Misfit, base_search: Search, rounds: list[Round], progress: Progress
 ) -> tuple[list[Round], Search]:
     """Takes each finding away in turn, and lets all hypotheses compete again for its place beside the others."""
     kept = [r.rivals[0] for r in rounds]
@@ -93,7 +98,7 @@ def _reconsider(
     for rival in [r.rivals[0] for r in rounds]:
         others = [other for other in kept if other is not rival]
         without = rebuild(workshop, base_search, others)
-        look = _look(workshop, base_search.misfit, without.fitted(), others, progress)
+        look = _look(workshop, given, without.fitted(), others, progress)
         if look.winner is None:
             kept, search = others, without
             continue
@@ -115,6 +120,12 @@ def rebuild(workshop: Workshop, base_search: Search, rivals: Sequence[Rival]) ->
         start = {name: found[name] for name in misfit.names if name in found}
         search = begin(workshop.identifier, misfit.with_values(start)).advance(STEPS)
     return search
+
+
+def _as_given(current: Misfit, given: Misfit) -> Misfit:
+    """The current model with its first parameters back at the values that the user gave."""
+    known = {name: parameter.value for name, parameter in given.model.free_parameters().items()}
+    return current.with_values({name: value for name, value in known.items() if name in current.names})
 
 
 def _is_given(model: Model, location: Mapping[str, object]) -> bool:

@@ -35,7 +35,7 @@ def score(proposal: Proposal, start: dict[str, float], misfit: Misfit, reference
     Arguments:
         start: values by path; what it does not name keeps the model's value.
         misfit: of the proposal's model.
-        reference: sum of squared residuals without the physics.
+        reference: sum of squared residuals without the physics; infinite: as the model stands without moving.
     """
     point = misfit.start_at({**proposal.null, **start})
     try:
@@ -46,6 +46,7 @@ def score(proposal: Proposal, start: dict[str, float], misfit: Misfit, reference
     size = np.abs(misfit.parameters(point)) / misfit.scaling(point)
     reach = np.where(new | (size == 0), np.inf, LONGEST_STEP * size)
     step = _bounded_step(residual, jacobian, point, *misfit.bounds(), reach)
+    reference = min(reference, float(residual @ residual)) if np.isinf(reference) else reference
     drop = reference - float(np.sum((residual + jacobian @ step) ** 2))
     return Score(proposal, misfit.values(point), drop)
 

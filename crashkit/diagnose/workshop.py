@@ -51,7 +51,14 @@ class Workshop:
         """
         motion, recordings = [_lively_motion(model)], list(recordings)
         proposals = [p for kind in self.hypotheses.values() for p in kind().propose(model, motion, recordings)]
-        return self.equipped([model, *(proposal.model for proposal in proposals)])
+        models = [model, *(proposal.model for proposal in proposals)]
+        return self.equipped([*models, *(_side_by_side(one) for one in models)])
+
+
+def _side_by_side(model: Model) -> Model:
+    """Sums of laws taken apart: a second finding at a joint stands beside the first."""
+    joints = [evolve(j, name=f"{j.name}{n}", law=law) for j in model.joints for n, law in enumerate(j.law.split(" + "))]
+    return evolve(model, joints=tuple(joints))
 
 
 def _lively_motion(model: Model) -> xr.Dataset:

@@ -34,7 +34,9 @@ def forces_along(model: Model, laws: Mapping[str, type[SpringLaw]], motion: xr.D
         net[:, names.index(first)] -= side * force
         net[:, names.index(second)] += side * force
     units = {"deformation": "m", "deformation_rate": "m s-1", "force": "N"}
-    variables = {n: (("time", "joint"), np.array(c).reshape(len(model.joints), -1).T, {"units": units[n]}) for n, c in columns.items()}
+    variables = {
+        n: (("time", "joint"), np.array(c).reshape(len(model.joints), -1).T, {"units": units[n]}) for n, c in columns.items()
+    }
     variables["contact_force"] = (("time", "body", "axis"), net[:, :, None], {"units": "N"})
     coords = {"time": motion["time"].values, "joint": [j.name for j in model.joints], "body": names, "axis": list(model.axes)}
     return xr.Dataset(variables, coords=coords)
@@ -59,7 +61,9 @@ def _force(joint: Joint, laws: Mapping[str, type[SpringLaw]], deformation: np.nd
     force = np.ones(len(deformation))
     for law in (laws[name] for name in (joint.law, *joint.factors)):
         values = [_value(joint.parameters.get(spec.name), spec.default) for spec in law.parameters]
-        force *= [law.force(d, v, m, *values) for d, v, m in zip(deformation.tolist(), rate.tolist(), largest.tolist(), strict=True)]
+        force *= [
+            law.force(d, v, m, *values) for d, v, m in zip(deformation.tolist(), rate.tolist(), largest.tolist(), strict=True)
+        ]
     return force
 
 

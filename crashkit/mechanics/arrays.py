@@ -13,11 +13,8 @@ STAGES = 5
 START, END = np.int64(0), np.int64(4)
 """Rows of a step; 1 to 3 are the inner stages of the Runge-Kutta rule. (A plain 0 would be compiled as a type of its own.)"""
 
-POSITION, VELOCITY, ACCELERATION = 0, 1, 2
-"""Second index of `state` (stage, 3, body) and of its derivatives `tangent` (stage, 3, body, column)."""
-
-FORCE, DEFORMATION, D_MAX, REST = 0, 1, 2, 3
-"""Second index of the joints' derivatives `joint_tangent` (joint, 4, column)."""
+FORCE, D_MAX, REST = 0, 1, 2
+"""Second index of the joints' derivatives `joint_tangent` (joint, 3, column)."""
 
 BODY = np.dtype(
     [
@@ -58,10 +55,10 @@ class Work(NamedTuple):
     Arguments:
         bodies, joints, functions: records as above.
         parameters: the numbers of all functions, one after another.
-        state: position, velocity and acceleration at each stage of a step.
+        state: (stage, 3 bodies) positions, velocities, accelerations, so that entry i + bodies is the derivative of entry i.
         columns: of each number of `parameters`, the column that it is, or -1.
-        tangent: derivatives of `state` to the columns.
-        joint_tangent: derivatives of each joint's force, deformation, largest deformation and rest to the columns.
+        tangent: (stage, 3 bodies, column) derivatives of `state` to the columns.
+        joint_tangent: derivatives of each joint's force, largest deformation and rest to the columns.
         partials: (function, 3 + parameters) derivatives of each function to d, ddot, d_max and its parameters.
     """
 
@@ -77,16 +74,16 @@ class Work(NamedTuple):
 
 
 class Record(NamedTuple):
-    """What a run leaves behind, at the times asked for; no rows of sensitivities where no columns are asked for.
+    """What a run leaves behind, at the times asked for; no rows of derivatives where no columns are asked for.
 
     Arguments:
-        state: (time, 3, body).
-        joints: (time, 3, joint), deformation, its rate and force.
-        tangent: (time, 3, body, column).
-        joint_tangent: (time, 2, joint, column), force and deformation.
+        state: (time, 3 bodies).
+        force: (time, joint).
+        tangent: (time, 3 bodies, column).
+        force_tangent: (time, joint, column).
     """
 
     state: Floats
-    joints: Floats
+    force: Floats
     tangent: Floats
-    joint_tangent: Floats
+    force_tangent: Floats

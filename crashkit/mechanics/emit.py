@@ -1,8 +1,9 @@
 """From a law's program to the source of the three functions that the engine calls.
 
-`mode` says which branches a state takes, one bit each. `frozen` gives the value with the branches of a mode, whatever the state, and the
-smallest guard: the signed distance of the taken branches' comparisons, negative once one of them no longer holds. `partials`
-gives the frozen value and its derivatives to d, ddot, d_max and every parameter, by going back through the statements.
+`mode` says which branches a state takes, one bit each. `frozen` gives the value with the branches of a mode, whatever the
+state, and the smallest guard: the signed distance of the taken branches' comparisons, negative once one of them no longer
+holds. `partials` gives the frozen value and its derivatives to d, ddot, d_max and every parameter, by going back through the
+statements.
 """
 
 import ast

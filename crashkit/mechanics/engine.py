@@ -24,7 +24,7 @@ HEADER = '''"""Written by crashkit.mechanics.engine; safe to delete."""
 
 import math
 
-from crashkit.mechanics.arrays import ACCELERATION, D_MAX, DEFORMATION, END, FORCE, POSITION, REST, START, VELOCITY
+from crashkit.mechanics.arrays import D_MAX, END, FORCE, REST, START
 from numba import njit
 
 compiled = njit(nogil=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
@@ -57,8 +57,8 @@ class Engine:
 def compile_engine(functions: Iterable[LawFunction]) -> Engine:
     """An engine for these functions: from this process, from disk, or newly written and compiled at its first run.
 
-    Generated modules and their machine code are kept in the folder that the environment variable CRASHKIT_CACHE names, else in the
-    user's cache folder, else in a temporary one.
+    Generated modules and their machine code are kept in the folder that the environment variable CRASHKIT_CACHE names, else in
+    the user's cache folder, else in a temporary one.
 
     Raises:
         CrashkitError: a law holds something that cannot be compiled; names law, line and remedy.

@@ -1,23 +1,26 @@
+# mypy: disallow-untyped-defs=False
 """Event-located integration of bodies and joints, with forward sensitivities.
 
-Within a step every function keeps the branches it had at the start (its mode), so that what the Runge-Kutta rule sees is smooth. A step at
-whose end some guard is negative has crossed from one branch to another: it is shortened until it ends just past the first
-crossing, and there the modes are taken anew. Landing on the far side leaves every new guard at 0 or above, so the next step starts clean.
+Within a step every function keeps the branches it had at the start (its mode), so that what the Runge-Kutta rule sees is
+smooth. A step at whose end some guard is negative has crossed from one branch to another: it is shortened until it ends just
+past the first crossing, and there the modes are taken anew. Landing on the far side leaves every new guard at 0 or above, so
+the next step starts clean.
 
-A joint's largest deformation d_max is memory of the engine. While the joint is loaded further, d_max is d itself and its guard is ddot;
-otherwise d_max stands still and its guard is d_max - d.
+A joint's largest deformation d_max is memory of the engine. While the joint is loaded further, d_max is d itself and its guard
+is ddot; otherwise d_max stands still and its guard is d_max - d.
 
-Sensitivities follow the variational equations on the same branches and steps. Forces are continuous, so a crossing gives them no jump.
+Sensitivities follow the variational equations on the same branches and steps. Forces are continuous, so a crossing gives them
+no jump; that of a law with a force jump would be added where `integrate` chooses the branches.
 
 The functions below the line are not run from here: the engine writes them behind the laws it was made for and compiles both.
 """
 
 import math
 
-from crashkit.mechanics.arrays import ACCELERATION, D_MAX, DEFORMATION, END, FORCE, POSITION, REST, START, VELOCITY, Floats
+from crashkit.mechanics.arrays import D_MAX, END, FORCE, REST, START, Floats
 
 
-def compiled(function):  # type: ignore[no-untyped-def]
+def compiled(function):
     """Stands for the compiler."""
     return function
 
@@ -52,10 +55,11 @@ MAX_CROSSINGS = 1000
 
 
 @compiled
-def kinematics(joint, state, row):
+def kinematics(bodies, joint, state, row):
     """Deformation and rate of a joint."""
-    d = joint.rest - joint.direction * (state[row, POSITION, joint.second] - state[row, POSITION, joint.first])
-    ddot = -joint.direction * (state[row, VELOCITY, joint.second] - state[row, VELOCITY, joint.first])
+    n = bodies.size
+    d = joint.rest - joint.direction * (state[row, joint.second] - state[row, joint.first])
+    ddot = -joint.direction * (state[row, n + joint.second] - state[row, n + joint.first])
     return d, ddot
 
 
@@ -76,63 +80,64 @@ def joint_force(joint, functions, parameters, d, ddot):
 
 @compiled
 def accelerate(bodies, joints, functions, parameters, state, row):
-    """Forces and accelerations at a stage; returns the smallest guard (minus infinity where a force is not finite) and its joint."""
-    for body in range(bodies.size):
-        state[row, ACCELERATION, body] = 0.0
+    """Forces and accelerations at a stage; returns the smallest guard (minus infinity: a force not finite) and its joint."""
+    n = bodies.size
+    for body in range(n):
+        state[row, 2 * n + body] = 0.0
     smallest, culprit = math.inf, -1
     for j in range(joints.size):
         joint = joints[j]
-        d, ddot = kinematics(joint, state, row)
+        d, ddot = kinematics(bodies, joint, state, row)
         force, guard = joint_force(joint, functions, parameters, d, ddot)
         if not math.isfinite(force):
             guard = -math.inf
         if guard < smallest:
             smallest, culprit = guard, j
         joint.force = force
-        state[row, ACCELERATION, joint.first] -= joint.direction * force
-        state[row, ACCELERATION, joint.second] += joint.direction * force
-    for body in range(bodies.size):
-        state[row, ACCELERATION, body] *= bodies[body].inverse_mass
+        state[row, 2 * n + joint.first] -= joint.direction * force
+        state[row, 2 * n + joint.second] += joint.direction * force
+    for body in range(n):
+        state[row, 2 * n + body] *= bodies[body].inverse_mass
     return smallest, culprit
 
 
 @compiled
 def try_step(bodies, joints, functions, parameters, state, h):
-    """A Runge-Kutta step of fourth order from row 0 into row 4; returns the guard at its end with its joint, and the smallest inside."""
+    """A Runge-Kutta step of fourth order into the row END; returns the guard there with its joint, and the smallest inside."""
+    n = bodies.size
     guard, culprit, inside = math.inf, -1, math.inf
-    for row in range(1, 5):
-        inside = min(inside, guard)
+    for row in range(1, 4):
         part = h if row == 3 else 0.5 * h
-        for q in range(2):
-            for body in range(bodies.size):
-                slope = state[row - 1, q + 1, body]
-                if row == 4:
-                    part = h / 6.0
-                    slope += state[START, q + 1, body] + 2.0 * (state[1, q + 1, body] + state[2, q + 1, body])
-                state[row, q, body] = state[START, q, body] + part * slope
+        for i in range(2 * n):
+            state[row, i] = state[START, i] + part * state[row - 1, n + i]
         guard, culprit = accelerate(bodies, joints, functions, parameters, state, row)
+        inside = min(inside, guard)
+    for i in range(2 * n):
+        slopes = state[START, n + i] + 2.0 * (state[1, n + i] + state[2, n + i]) + state[3, n + i]
+        state[END, i] = state[START, i] + h / 6.0 * slopes
+    guard, culprit = accelerate(bodies, joints, functions, parameters, state, END)
     return guard, culprit, inside
 
 
 @compiled
-def try_careful_step(bodies, joints, functions, parameters, state, h, step):
-    """A step, halved while a guard that is negative inside it is not at its end; returns its length, guard and joint."""
-    guard, culprit, inside = try_step(bodies, joints, functions, parameters, state, h)
-    while inside < 0.0 and guard >= 0.0 and h > SHORTEST * step:
-        h *= 0.5
-        guard, culprit, inside = try_step(bodies, joints, functions, parameters, state, h)
-    return h, guard, culprit
+def find_step(bodies, joints, functions, parameters, state, longest, guard_before, step):
+    """The longest step that stays on the branches it began on, or that ends just past the first crossing.
 
+    A step is halved while a guard that is negative inside it is not at its end. A crossing is found by the Illinois rule, with
+    a bisection every third time.
 
-@compiled
-def locate(bodies, joints, functions, parameters, state, h, guard_before, guard_after, step):
-    """Shorten a step to end just past the first crossing (Illinois rule, a bisection every third time).
-
-    Returns its length, and how far ahead of its end to look for the new branches: 0, or a little where the far side is not finite.
+    Returns:
+        length, whether it ends past a crossing, and how far ahead of its end to look for the new branches (0, or a little
+        where the far side is not finite); the guard at its end and its joint.
     """
-    low, low_guard = 0.0, guard_before
-    high, high_guard = h, guard_after
-    side, count = 0, 0
+    low, low_guard, side, count = 0.0, guard_before, 0, 0
+    high = longest
+    high_guard, culprit, inside = try_step(bodies, joints, functions, parameters, state, high)
+    while inside < 0.0 and high_guard >= 0.0 and high > SHORTEST * step:
+        high *= 0.5
+        high_guard, culprit, inside = try_step(bodies, joints, functions, parameters, state, high)
+    if high_guard >= 0.0:
+        return high, False, 0.0, high_guard, culprit
     while high - low > RESOLUTION * step:
         count += 1
         trial = (low * high_guard - high * low_guard) / (high_guard - low_guard)
@@ -146,24 +151,25 @@ def locate(bodies, joints, functions, parameters, state, h, guard_before, guard_
             high_guard = 0.5 * high_guard if side > 0 else high_guard
             low, low_guard, side = trial, guard, 1
     if try_step(bodies, joints, functions, parameters, state, high)[0] > -math.inf:
-        return high, 0.0
+        return high, True, 0.0, high_guard, culprit
     try_step(bodies, joints, functions, parameters, state, low)
-    return low, 2.0 * (high - low)
+    return low, True, 2.0 * (high - low), low_guard, culprit
 
 
 @compiled
-def choose_branches(joints, functions, parameters, state, tangent, joint_tangent, ahead):
-    """Take the branches anew from the state in row 0, looking `ahead` seconds; freeze or free the largest deformations."""
+def choose_branches(bodies, joints, functions, parameters, state, tangent, joint_tangent, ahead):
+    """Take the branches anew from the state at START, looking `ahead` seconds; freeze or free the largest deformations."""
+    n = bodies.size
     for j in range(joints.size):
         joint = joints[j]
         a, b, s = joint.first, joint.second, joint.direction
-        d, ddot = kinematics(joint, state, START)
+        d, ddot = kinematics(bodies, joint, state, START)
         d += ahead * ddot
-        ddot -= ahead * s * (state[START, ACCELERATION, b] - state[START, ACCELERATION, a])
+        ddot -= ahead * s * (state[START, 2 * n + b] - state[START, 2 * n + a])
         if joint.loading:
             joint.d_max = d
-            for c in range(tangent.shape[3]):
-                apart = tangent[START, POSITION, b, c] - tangent[START, POSITION, a, c]
+            for c in range(tangent.shape[2]):
+                apart = tangent[START, b, c] - tangent[START, a, c]
                 joint_tangent[j, D_MAX, c] = joint_tangent[j, REST, c] - s * apart
         joint.loading = 1 if d >= joint.d_max and ddot > 0.0 else 0
         joint.d_max = max(d, joint.d_max)
@@ -178,9 +184,7 @@ def joint_partials(joint, functions, parameters, partials, d, ddot):
     d_max = d if joint.loading else joint.d_max
     for f in range(joint.start, joint.stop):
         function = functions[f]
-        function.value = law_partials(
-            function.number, function.mode, d, ddot, d_max, parameters, function.offset, partials[f]
-        )
+        function.value = law_partials(function.number, function.mode, d, ddot, d_max, parameters, function.offset, partials[f])
     to_d, to_ddot, to_d_max = 0.0, 0.0, 0.0
     for f in range(joint.start, joint.stop):
         for other in range(joint.start, joint.stop):
@@ -197,19 +201,19 @@ def joint_partials(joint, functions, parameters, partials, d, ddot):
 
 @compiled
 def accelerate_tangent(bodies, joints, functions, parameters, state, columns, tangent, joint_tangent, partials, row):
-    """Derivatives of the joints' deformations and forces, and of the accelerations, at a stage to the columns."""
-    for body in range(bodies.size):
-        for c in range(tangent.shape[3]):
-            tangent[row, ACCELERATION, body, c] = 0.0
+    """Derivatives of the forces and accelerations at a stage to the columns."""
+    n = bodies.size
+    for body in range(n):
+        for c in range(tangent.shape[2]):
+            tangent[row, 2 * n + body, c] = 0.0
     for j in range(joints.size):
         joint = joints[j]
         a, b, s = joint.first, joint.second, joint.direction
-        d, ddot = kinematics(joint, state, row)
+        d, ddot = kinematics(bodies, joint, state, row)
         to_d, to_ddot, to_d_max = joint_partials(joint, functions, parameters, partials, d, ddot)
-        for c in range(tangent.shape[3]):
-            d_c = joint_tangent[j, REST, c] - s * (tangent[row, POSITION, b, c] - tangent[row, POSITION, a, c])
-            ddot_c = -s * (tangent[row, VELOCITY, b, c] - tangent[row, VELOCITY, a, c])
-            joint_tangent[j, DEFORMATION, c] = d_c
+        for c in range(tangent.shape[2]):
+            d_c = joint_tangent[j, REST, c] - s * (tangent[row, b, c] - tangent[row, a, c])
+            ddot_c = -s * (tangent[row, n + b, c] - tangent[row, n + a, c])
             joint_tangent[j, FORCE, c] = to_d * d_c + to_ddot * ddot_c + to_d_max * joint_tangent[j, D_MAX, c]
         for f in range(joint.start, joint.stop):
             for i in range(functions[f].count):
@@ -217,59 +221,42 @@ def accelerate_tangent(bodies, joints, functions, parameters, state, columns, ta
                 if column >= 0:
                     joint_tangent[j, FORCE, column] += partials[f, 3 + i]
         to_a, to_b = -s * bodies[a].inverse_mass, s * bodies[b].inverse_mass
-        for c in range(tangent.shape[3]):
-            tangent[row, ACCELERATION, a, c] += to_a * joint_tangent[j, FORCE, c]
-            tangent[row, ACCELERATION, b, c] += to_b * joint_tangent[j, FORCE, c]
-    for body in range(bodies.size):
+        for c in range(tangent.shape[2]):
+            tangent[row, 2 * n + a, c] += to_a * joint_tangent[j, FORCE, c]
+            tangent[row, 2 * n + b, c] += to_b * joint_tangent[j, FORCE, c]
+    for body in range(n):
         if bodies[body].mass_column >= 0:
-            share = state[row, ACCELERATION, body] * bodies[body].inverse_mass
-            tangent[row, ACCELERATION, body, bodies[body].mass_column] -= share
+            share = state[row, 2 * n + body] * bodies[body].inverse_mass
+            tangent[row, 2 * n + body, bodies[body].mass_column] -= share
 
 
 @compiled
 def step_tangent(bodies, joints, functions, parameters, state, columns, tangent, joint_tangent, partials, h):
-    """The derivative of the Runge-Kutta step whose stages `state` holds; row 0 moves from its start to its end."""
+    """The derivative of the Runge-Kutta step whose stages `state` holds; START moves to its end."""
+    n = bodies.size
     for row in range(1, 4):
         part = h if row == 3 else 0.5 * h
-        for q in range(2):
-            for body in range(bodies.size):
-                for c in range(tangent.shape[3]):
-                    tangent[row, q, body, c] = tangent[START, q, body, c] + part * tangent[row - 1, q + 1, body, c]
+        for i in range(2 * n):
+            for c in range(tangent.shape[2]):
+                tangent[row, i, c] = tangent[START, i, c] + part * tangent[row - 1, n + i, c]
         accelerate_tangent(bodies, joints, functions, parameters, state, columns, tangent, joint_tangent, partials, row)
-    for q in range(2):
-        for body in range(bodies.size):
-            for c in range(tangent.shape[3]):
-                inner = tangent[1, q + 1, body, c] + tangent[2, q + 1, body, c]
-                total = tangent[START, q + 1, body, c] + 2.0 * inner + tangent[3, q + 1, body, c]
-                tangent[START, q, body, c] += h / 6.0 * total
+    for i in range(2 * n):
+        for c in range(tangent.shape[2]):
+            inner = tangent[1, n + i, c] + tangent[2, n + i, c]
+            tangent[START, i, c] += h / 6.0 * (tangent[START, n + i, c] + 2.0 * inner + tangent[3, n + i, c])
 
 
 @compiled
-def set_memory(joints, state, tangent, joint_tangent):
-    """The largest deformations at t = 0."""
+def write(joints, state, tangent, joint_tangent, state_record, force_record, tangent_record, force_tangent_record, k):
+    """The state at START becomes entry k of the record."""
+    for i in range(state.shape[1]):
+        state_record[k, i] = state[START, i]
+        for c in range(tangent.shape[2]):
+            tangent_record[k, i, c] = tangent[START, i, c]
     for j in range(joints.size):
-        joint = joints[j]
-        d = kinematics(joint, state, START)[0]
-        joint.d_max = max(0.0, d)
-        for c in range(tangent.shape[3]):
-            apart = tangent[START, POSITION, joint.second, c] - tangent[START, POSITION, joint.first, c]
-            joint_tangent[j, D_MAX, c] = joint_tangent[j, REST, c] - joint.direction * apart if d > 0.0 else 0.0
-
-
-@compiled
-def write(joints, state, tangent, joint_tangent, state_record, joint_record, tangent_record, joint_tangent_record, k):
-    """The state in row 0 becomes entry k of the record."""
-    for q in range(3):
-        for body in range(state.shape[2]):
-            state_record[k, q, body] = state[START, q, body]
-            for c in range(tangent.shape[3]):
-                tangent_record[k, q, body, c] = tangent[START, q, body, c]
-    for j in range(joints.size):
-        joint_record[k, 0, j], joint_record[k, 1, j] = kinematics(joints[j], state, START)
-        joint_record[k, 2, j] = joints[j].force
-        for c in range(tangent.shape[3]):
-            joint_tangent_record[k, FORCE, j, c] = joint_tangent[j, FORCE, c]
-            joint_tangent_record[k, DEFORMATION, j, c] = joint_tangent[j, DEFORMATION, c]
+        force_record[k, j] = joints[j].force
+        for c in range(tangent.shape[2]):
+            force_tangent_record[k, j, c] = joint_tangent[j, FORCE, c]
 
 
 @compiled
@@ -286,41 +273,35 @@ def integrate(
     joint_tangent,
     partials,
     state_record,
-    joint_record,
+    force_record,
     tangent_record,
-    joint_tangent_record,
+    force_tangent_record,
 ):
     """Run from t = 0 through `times`; returns how it ended, the joint concerned and the time."""
     t, since, crossings, k = 0.0, 0.0, 0, START
     crossing, ahead = True, 0.0
     guard, culprit = math.inf, -1
-    set_memory(joints, state, tangent, joint_tangent)
     while True:
         if crossing:
-            choose_branches(joints, functions, parameters, state, tangent, joint_tangent, ahead)
+            choose_branches(bodies, joints, functions, parameters, state, tangent, joint_tangent, ahead)
             guard, culprit = accelerate(bodies, joints, functions, parameters, state, START)
         if guard == -math.inf or crossings > MAX_CROSSINGS:
             return NOT_FINITE if guard == -math.inf or ahead > 0.0 else NO_PROGRESS, culprit, t
-        if tangent.shape[3] > 0:
+        if tangent.shape[2] > 0:
             accelerate_tangent(bodies, joints, functions, parameters, state, columns, tangent, joint_tangent, partials, START)
         if times[k] - t <= RESOLUTION * step:
             t = times[k]
-            write(joints, state, tangent, joint_tangent, state_record, joint_record, tangent_record, joint_tangent_record, k)
+            write(joints, state, tangent, joint_tangent, state_record, force_record, tangent_record, force_tangent_record, k)
             k += 1
             if k == times.size:
                 return DONE, -1, t
         remaining = times[k] - t
         longest = remaining / max(1.0, math.ceil(remaining / step - 1e-6))
-        h, after, culprit = try_careful_step(bodies, joints, functions, parameters, state, longest, step)
-        crossing, ahead = after < 0.0, 0.0
-        if crossing:
-            h, ahead = locate(bodies, joints, functions, parameters, state, h, guard, after, step)
-        if tangent.shape[3] > 0:
+        h, crossing, ahead, guard, culprit = find_step(bodies, joints, functions, parameters, state, longest, guard, step)
+        if tangent.shape[2] > 0:
             step_tangent(bodies, joints, functions, parameters, state, columns, tangent, joint_tangent, partials, h)
-        for q in range(3):
-            for body in range(bodies.size):
-                state[START, q, body] = state[END, q, body]
-        guard = after
+        for i in range(state.shape[1]):
+            state[START, i] = state[END, i]
         t += h
         if t - since > step:
             since, crossings = t, 0

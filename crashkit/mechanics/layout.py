@@ -85,7 +85,9 @@ def functions_of_joint(joint: Joint, laws: Laws) -> Iterator[LawFunction]:
     for name in (joint.law, *joint.factors):
         law = laws.get(name)
         if law is None:
-            raise CrashkitError(f"joint {joint.name}: expected a law that is installed ({', '.join(sorted(laws))}), found {name}")
+            raise CrashkitError(
+                f"joint {joint.name}: expected a law that is installed ({', '.join(sorted(laws))}), found {name}"
+            )
         expected = "N" if name == joint.law else "1"
         if law.unit != expected:
             raise CrashkitError(f"joint {joint.name}: expected a function with unit {expected}, found {name} with {law.unit}")
@@ -107,7 +109,9 @@ def _scalar(joint: Joint, spec: ParameterSpec) -> float:
         return value.value
     if value is None and spec.default is not None:
         return spec.default
-    raise CrashkitError(f"joint {joint.name}: expected a number for {spec.name}, found {'nothing' if value is None else 'a list'}")
+    raise CrashkitError(
+        f"joint {joint.name}: expected a number for {spec.name}, found {'nothing' if value is None else 'a list'}"
+    )
 
 
 def _vector(joint: Joint, spec: ParameterSpec) -> tuple[Parameter, ...]:

@@ -1,4 +1,4 @@
-"""From the syntax tree of a law to its program: loops unrolled, min, max and abs made branches, every assignment its own name."""
+"""From the syntax tree of a law to its program: loops unrolled, min, max and abs made branches, single assignments."""
 
 import ast
 import math
@@ -78,6 +78,8 @@ class _Lowering:
                 out.append(Return(self.expression(value, out)))
             case ast.Assign(targets=[ast.Name(id=name)], value=value):
                 self.bind(name, self.expression(value, out), out)
+            case ast.Assign(targets=[ast.Tuple(elts=names)], value=ast.Tuple(elts=values)) if len(names) == len(values):
+                self.bind_all(statement, names, [self.expression(value, out) for value in values], out)
             case ast.AnnAssign(target=ast.Name(id=name), value=ast.expr() as value):
                 self.bind(name, self.expression(value, out), out)
             case ast.AugAssign(target=ast.Name(id=name) as target, op=op, value=value):
@@ -98,6 +100,12 @@ class _Lowering:
             out.append(Assign(variable, value))
             value = _name(variable)
         self.scope[name] = value
+
+    def bind_all(self, statement: ast.stmt, names: list[ast.expr], values: list[ast.expr], out: Statements) -> None:
+        for name, value in zip(names, values, strict=True):
+            if not isinstance(name, ast.Name):
+                self.source.refuse(statement, f"`{ast.unparse(statement)}`", SUBSET)
+            self.bind(name.id, value, out)
 
     def unrolled(self, loop: ast.For) -> Iterator[ast.stmt]:
         match loop:
@@ -185,7 +193,7 @@ class _Lowering:
             self.scope = sides[0][1]
         if len(sides) < 2:
             return
-        for name in taken[1].keys() & other[1].keys():
+        for name in (name for name in taken[1] if name in other[1]):
             first, second = taken[1][name], other[1][name]
             if isinstance(first, list) or isinstance(second, list) or ast.dump(first) == ast.dump(second):
                 self.scope[name] = first
@@ -250,9 +258,10 @@ class _Lowering:
 
     def integer(self, node: ast.expr) -> int:
         value = self.expression(node, [])
-        if not isinstance(value, ast.Constant) or value.value != int(value.value):
+        number = value.value if isinstance(value, ast.Constant) else None
+        if not isinstance(number, float) or not number.is_integer():
             self.source.refuse(node, f"the index `{ast.unparse(node)}`", "use whole numbers that do not depend on the state")
-        return int(value.value)
+        return int(number)
 
     def choose(self, test: ast.expr, body: ast.expr, orelse: ast.expr, out: Statements) -> ast.expr:
         name = self.fresh("choice")

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from xarray.indexes import PandasIndex
 
-from crashkit.mechanics.arrays import Floats, Record, Records
+from crashkit.mechanics.arrays import REST, Floats, Record, Work
 
 UNITS = {
     "position": "m",
@@ -18,32 +18,44 @@ UNITS = {
     "contact_force": "N",
 }
 BY_BODY = ("position", "velocity", "acceleration", "contact_force")
-BY_JOINT = ("deformation", "deformation_rate", "force")
 
 
-def motion_of(record: Record, joints: Records, times: Floats, names: xr.Coordinates, paths: Sequence[str]) -> xr.Dataset:
+def motion_of(record: Record, work: Work, times: Floats, names: xr.Coordinates, paths: Sequence[str]) -> xr.Dataset:
     """The motion that a run recorded.
 
     Arguments:
         record: of the kernel.
-        joints: of the run.
+        work: the arrays of the run.
         times: s.
         names: coordinates `body`, `axis` and `joint`, and `joint_bodies`.
         paths: the parameters that the sensitivities are to.
     """
-    incidence = np.zeros((record.state.shape[2], joints.size))
+    joints, count = work.joints, work.bodies.size
+    incidence = np.zeros((count, joints.size))
     incidence[joints["first"], np.arange(joints.size)] -= joints["direction"]
     incidence[joints["second"], np.arange(joints.size)] += joints["direction"]
-    arrays = dict(zip(BY_BODY[:3], np.moveaxis(record.state, 1, 0), strict=True))
-    arrays |= zip(BY_JOINT, np.moveaxis(record.joints, 1, 0), strict=True)
-    arrays["contact_force"] = arrays["force"] @ incidence.T
+    position, velocity, acceleration = (record.state[:, start : start + count] for start in (0, count, 2 * count))
+    arrays = {
+        "position": position,
+        "velocity": velocity,
+        "acceleration": acceleration,
+        "deformation": joints["rest"] - position @ incidence,
+        "deformation_rate": -velocity @ incidence,
+        "force": record.force,
+        "contact_force": record.force @ incidence.T,
+    }
     indexes = [_index("time", times, {"units": "s"})]
     if paths:
         indexes.append(_index("parameter", np.array(paths, dtype=str), {}))
-        force, deformation = np.moveaxis(record.joint_tangent, 1, 0)
-        sensitivities = dict(zip(BY_BODY[:3], np.moveaxis(record.tangent, 1, 0), strict=True))
-        sensitivities |= {"contact_force": incidence @ force, "force": force, "deformation": deformation}
-        arrays |= {f"{name}_sensitivity": values for name, values in sensitivities.items()}
+        position, velocity, acceleration = (record.tangent[:, start : start + count] for start in (0, count, 2 * count))
+        arrays |= {
+            "position_sensitivity": position,
+            "velocity_sensitivity": velocity,
+            "acceleration_sensitivity": acceleration,
+            "contact_force_sensitivity": incidence @ record.force_tangent,
+            "force_sensitivity": record.force_tangent,
+            "deformation_sensitivity": work.joint_tangent[:, REST] - incidence.T @ position,
+        }
     variables = {name: _variable(name, values) for name, values in arrays.items()}
     return xr.Dataset(variables, _extended(names, indexes))
 

@@ -7,7 +7,7 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.errors import CrashkitError
-from crashkit.mechanics.arrays import BODY, FUNCTION, JOINT, POSITION, REST, STAGES, VELOCITY, Floats, Record, Records, Work
+from crashkit.mechanics.arrays import BODY, D_MAX, FUNCTION, JOINT, REST, STAGES, START, Floats, Record, Records, Work
 from crashkit.mechanics.engine import Engine
 from crashkit.mechanics.layout import Layout
 
@@ -60,7 +60,7 @@ def _place(layout: Layout, path: str) -> tuple[Floats, tuple[int, ...]]:
 def work_of(layout: Layout, engine: Engine, paths: Sequence[str]) -> Work:
     """The arrays of a run at t = 0, its branches not yet chosen, with a column of derivatives for each of `paths`."""
     bodies, joints, functions = _bodies(layout), _joints(layout), _functions(layout, engine)
-    shape = (STAGES, 3, bodies.size)
+    shape = (STAGES, 3 * bodies.size)
     widest = max(functions["count"], default=0)
     work = Work(
         bodies=bodies,
@@ -70,25 +70,25 @@ def work_of(layout: Layout, engine: Engine, paths: Sequence[str]) -> Work:
         state=np.zeros(shape),
         columns=np.full(layout.parameters.size, -1),
         tangent=np.zeros((*shape, len(paths))),
-        joint_tangent=np.zeros((joints.size, 4, len(paths))),
+        joint_tangent=np.zeros((joints.size, 3, len(paths))),
         partials=np.zeros((functions.size, 3 + widest)),
     )
-    work.state[0, POSITION] = layout.position
-    work.state[0, VELOCITY] = np.where(np.isinf(layout.masses), 0.0, layout.velocity)
+    work.state[START, : 2 * bodies.size] = *layout.position, *np.where(np.isinf(layout.masses), 0.0, layout.velocity)
     for column, path in enumerate(paths):
         _seed(layout, work, path, column)
+    _set_memory(layout, work)
     return work
 
 
 def record_of(work: Work, times: int) -> Record:
     """Room for the results."""
-    _, quantities, bodies, columns = work.tangent.shape
+    _, entries, columns = work.tangent.shape
     rows = times if columns else 0
     return Record(
-        state=np.empty((times, quantities, bodies)),
-        joints=np.empty((times, 3, work.joints.size)),
-        tangent=np.empty((rows, quantities, bodies, columns)),
-        joint_tangent=np.empty((rows, 2, work.joints.size, columns)),
+        state=np.empty((times, entries)),
+        force=np.empty((times, work.joints.size)),
+        tangent=np.empty((rows, entries, columns)),
+        force_tangent=np.empty((rows, work.joints.size, columns)),
     )
 
 
@@ -130,8 +130,18 @@ def _seed(layout: Layout, work: Work, path: str, column: int) -> None:
     elif array is layout.free_lengths:
         work.joint_tangent[first, REST, column] = 1.0
     elif array is layout.velocity:
-        work.tangent[0, VELOCITY, first, column] = np.isfinite(layout.masses[first])
+        work.tangent[START, work.bodies.size + first, column] = np.isfinite(layout.masses[first])
     else:
-        work.tangent[0, POSITION, first, column] = 1.0
+        work.tangent[START, first, column] = 1.0
         ends = (work.joints["second"] == first).astype(float) - (work.joints["first"] == first)
         work.joint_tangent[:, REST, column] = np.isnan(layout.free_lengths) * work.joints["direction"] * ends
+
+
+def _set_memory(layout: Layout, work: Work) -> None:
+    """A joint remembers the deformation that it begins with, if it is compressed."""
+    joints, tangent = work.joints, work.tangent[START]
+    apart = layout.position[joints["second"]] - layout.position[joints["first"]]
+    deformation = joints["rest"] - joints["direction"] * apart
+    joints["d_max"] = np.maximum(0.0, deformation)
+    moved = joints["direction"][:, np.newaxis] * (tangent[joints["second"]] - tangent[joints["first"]])
+    work.joint_tangent[:, D_MAX] = np.where(deformation[:, np.newaxis] > 0.0, work.joint_tangent[:, REST] - moved, 0.0)

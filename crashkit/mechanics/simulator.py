@@ -25,7 +25,7 @@ class Simulator:
         engine: one that holds the model's functions (see `functions_of`), to share between models; None: one of its own.
 
     Raises:
-        CrashkitError: the model cannot be simulated: a law that is not installed, a parameter without a value, more than one axis.
+        CrashkitError: the model cannot be simulated: a law that is not installed, a parameter without a value, several axes.
     """
 
     def __init__(self, model: Model, laws: Laws, engine: Engine | None = None) -> None:
@@ -58,14 +58,15 @@ class Simulator:
 
         Arguments:
             times: s, increasing, 0 or later; they need not be uniform.
-            values: by path, instead of the model's; also `body.NAME.position` and `body.NAME.velocity`. Those of instruments are ignored.
+            values: by path, instead of the model's; also `body.NAME.position` and `body.NAME.velocity`. Those of instruments
+                are ignored.
             initial: `position(body, axis)` and `velocity(body, axis)` at t = 0 of some or all bodies, instead of the model's.
             sensitivities: paths of the parameters to differentiate to.
             step: s, longest step of the integration.
 
         Returns:
-            A motion of all bodies, with `deformation`, `deformation_rate` and `force` by joint, `contact_force`, the net force of
-            its joints on each body, and the coordinate `joint_bodies(joint, end)`; with sensitivities also
+            A motion of all bodies, with `deformation`, `deformation_rate` and `force` by joint, `contact_force`, the net force
+            of its joints on each body, and the coordinate `joint_bodies(joint, end)`; with sensitivities also
             `<quantity>_sensitivity`, each with a last dim `parameter`, of all of these but the deformation rate.
 
         Raises:
@@ -79,7 +80,7 @@ class Simulator:
         status, joint, t = self.engine.module.integrate(instants, float(step), *work, *record)
         if status != DONE:
             raise SimulationError(self._failure(status, joint, t))
-        return motion_of(record, work.joints, instants, self._names, sensitivities)
+        return motion_of(record, work, instants, self._names, sensitivities)
 
     def _failure(self, status: int, number: int, t: float) -> str:
         joint = self.model.joints[number]

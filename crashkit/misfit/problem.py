@@ -8,7 +8,6 @@ from attrs import evolve
 
 from crashkit.mechanics import Engine, Simulator
 from crashkit.misfit.channel import Channel, Group, groups_of
-from crashkit.misfit.noise import Noise
 from crashkit.misfit.predictor import Prediction, Predictor
 from crashkit.model import Model
 from crashkit.protocols import Observer, SpringLaw
@@ -127,12 +126,9 @@ class Misfit:
         groups = [evolve(g, channels=tuple(_reweighted(c, float(next(sums))) for c in g.channels)) for g in self.groups]
         return self._with(self.model, groups)
 
-    def with_noise(self, levels: Mapping[tuple[str, str, str], Noise]) -> "Misfit":
-        """The same misfit with other noise for some channels, by (instrument, sensor, axis)."""
-        groups = [
-            evolve(g, channels=tuple(evolve(c, noise=levels.get((c.instrument, c.sensor, c.axis), c.noise)) for c in g.channels))
-            for g in self.groups
-        ]
+    def with_levels(self, levels: Mapping[tuple[str, str, str], float]) -> "Misfit":
+        """The same misfit with other noise levels for some channels, by (instrument, sensor, axis)."""
+        groups = [evolve(g, channels=tuple(_levelled(c, levels) for c in g.channels)) for g in self.groups]
         return self._with(self.model, groups)
 
     def with_model(self, model: Model, laws: Mapping[str, type[SpringLaw]], engine: Engine | None = None) -> "Misfit":
@@ -193,6 +189,11 @@ def _deviance(channel: Channel, total: float) -> float:
         return total
     count, noise = channel.independent_samples, channel.noise
     return count * float(np.log(max(total / count, (noise.least / noise.std) ** 2))) if count else 0.0
+
+
+def _levelled(channel: Channel, levels: Mapping[tuple[str, str, str], float]) -> Channel:
+    std = levels.get((channel.instrument, channel.sensor, channel.axis), channel.noise.std)
+    return evolve(channel, noise=evolve(channel.noise, std=std))
 
 
 def _reweighted(channel: Channel, total: float) -> Channel:

@@ -7,6 +7,7 @@ from attrs import frozen
 
 from crashkit.errors import CrashkitError
 from crashkit.protocols import Hypothesis, Identifier, Importer, Observer, Smoother, SpringLaw
+from crashkit.registry.law_book import LawBook
 
 Base = TypeVar("Base")
 
@@ -45,9 +46,9 @@ class Registry:
     failures: tuple[Failure, ...]
 
     @property
-    def spring_laws(self) -> dict[str, type[SpringLaw]]:
-        """Laws and factors by name."""
-        return self._named(SpringLaw)
+    def spring_laws(self) -> LawBook:
+        """Laws and factors by name, and sums of laws."""
+        return LawBook(self._named(SpringLaw))
 
     @property
     def observers(self) -> dict[str, type[Observer]]:

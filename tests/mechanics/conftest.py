@@ -3,10 +3,10 @@
 from collections.abc import Callable, Mapping
 
 import pytest
-from crashkit_spring_laws import SPRING_LAWS
 
 from crashkit.mechanics import Engine, LawFunction, Simulator, compile_engine
 from crashkit.model import Body, Joint, Model, Parameter
+from crashkit_spring_laws import SPRING_LAWS
 
 SIZES = {"piecewise_affine": (3, 3), "smooth_table": (4,), "rate_table": (4,)}
 PLATEAU = {

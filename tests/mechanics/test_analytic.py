@@ -2,6 +2,9 @@
 
 import numpy as np
 import pytest
+from attrs import evolve
+
+from crashkit.model import Body, Parameter
 
 TIMES = np.linspace(0.0, 6.0, 121)
 STEP = 2e-3
@@ -64,8 +67,6 @@ def test_flight_through_a_gap(simulator, against_wall, plateau):
 
 
 def test_a_free_length_shorter_than_the_distance_is_a_gap(simulator, against_wall, plateau):
-    from crashkit.model import Parameter
-
     model = against_wall("crush_plateau", plateau, free_length=Parameter(0.5))
     straight = against_wall("crush_plateau", plateau)
     late, early = run(simulator, model, TIMES + 0.5), run(simulator, straight, TIMES)
@@ -74,25 +75,23 @@ def test_a_free_length_shorter_than_the_distance_is_a_gap(simulator, against_wal
 
 def test_dashpot(simulator, against_wall):
     """In full contact from the start the speed decays exponentially."""
-    from crashkit.model import Parameter
-
     model = against_wall("viscous", {"damping": 0.7}, mass=2.0, free_length=Parameter(1.5))
     motion = run(simulator, model)
     np.testing.assert_allclose(velocity(motion), np.exp(-0.35 * TIMES), atol=1e-11)
 
 
 def test_joints_between_the_same_bodies_add_up(simulator, against_wall, joint, plateau):
-    from attrs import evolve
-
-    one = against_wall("linear_stop", {"stiffness": 3.0, "engagement": 0.0})
-    half = [joint(name, ("wall", "mass"), "linear_stop", {"stiffness": 1.5, "engagement": 0.0}) for name in "ab"]
+    one = against_wall("linear_stop", {"stiffness": 3.0, "stop_deformation": 0.0})
+    half = [joint(name, ("wall", "mass"), "linear_stop", {"stiffness": 1.5, "stop_deformation": 0.0}) for name in "ab"]
     two = evolve(one, joints=tuple(half))
     np.testing.assert_allclose(position(run(simulator, two)), position(run(simulator, one)), atol=1e-13)
 
 
 def test_factors_multiply(simulator, against_wall, plateau):
     times = [0.1]
-    model = against_wall("crush_plateau", plateau | {"rate_amplitude": 0.5, "reference_rate": 2.0}, factors=("rate_logarithm",))
+    model = against_wall(
+        "crush_plateau", plateau | {"rate_amplitude": 0.5, "reference_rate": 2.0}, factors=("rate_logarithm",)
+    )
     motion = run(simulator, model, times)
     rate = motion["deformation_rate"].values[0, 0]
     expected = 1.2 * motion["deformation"].values[0, 0] * (1.0 + 0.5 * np.log(1.0 + rate / 2.0))
@@ -100,7 +99,7 @@ def test_factors_multiply(simulator, against_wall, plateau):
 
 
 def test_bodies_that_would_pass_through_each_other_go_on_pushing(simulator, against_wall):
-    model = against_wall("linear_stop", {"stiffness": 0.01, "engagement": 0.0}, speed=1.0)
+    model = against_wall("linear_stop", {"stiffness": 0.01, "stop_deformation": 0.0}, speed=1.0)
     motion = run(simulator, model)
     assert position(motion)[-1] > 1.0
     np.testing.assert_allclose(motion["force"].values[:, 0], 0.01 * (position(motion) + 1.0), atol=1e-14)
@@ -108,13 +107,11 @@ def test_bodies_that_would_pass_through_each_other_go_on_pushing(simulator, agai
 
 def test_reloading_climbs_the_unloading_line_back(simulator, against_wall, joint, plateau):
     """A second mass, thrown after the first, loads its spring again: force and deformation stay on the line up to d_max."""
-    from attrs import evolve
-
-    from crashkit.model import Body, Parameter
-
     model = against_wall("crush_plateau", plateau | {"unloading_stiffness": 12.0})
     chaser = Body("chaser", (-4.0,), (1.5,), Parameter(2.0))
-    link = joint("link", ("mass", "chaser"), "linear_stop", {"stiffness": 50.0, "engagement": 0.0}, free_length=Parameter(0.5))
+    link = joint(
+        "link", ("mass", "chaser"), "linear_stop", {"stiffness": 50.0, "stop_deformation": 0.0}, free_length=Parameter(0.5)
+    )
     model = evolve(model, bodies=(*model.bodies, chaser), joints=(*model.joints, link))
     motion = run(simulator, model, np.linspace(0.0, 6.0, 3001))
     d, force = motion["deformation"].values[:, 0], motion["force"].values[:, 0]

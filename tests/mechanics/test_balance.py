@@ -18,7 +18,7 @@ def springs(draw):
                 ("crush_plateau", {**_plateau(draw), "unloading_stiffness": draw(st.floats(2e6, 6e6))}),
                 ("crush_plateau", {**_plateau(draw), "clearance": draw(st.floats(0.0, 0.1)), "rate_coefficient": 0.02}),
                 ("piecewise_affine", {"deformation": [0.02, 0.1, 0.3], "force": [8e4, 5e4, 2e5], "unloading_stiffness": 5e6}),
-                ("linear_stop", {"stiffness": 1e6, "engagement": draw(st.floats(0.0, 0.2))}),
+                ("linear_stop", {"stiffness": 1e6, "stop_deformation": draw(st.floats(0.0, 0.2))}),
                 ("viscous", {"damping": draw(st.floats(0.0, 1e4))}),
                 ("coulomb", {"friction_force": draw(st.floats(0.0, 2e4))}),
                 ("tension_spring", {"stiffness": 2e5}),
@@ -44,7 +44,8 @@ def structures(draw):
     count = draw(st.integers(2, 4))
     fixed = draw(st.booleans())
     bodies = [
-        (f"body {i}", draw(st.floats(50.0, 900.0)), -0.8 * i, draw(st.floats(0.0, 16.0)), fixed and i == 0) for i in range(count)
+        (f"body {i}", draw(st.floats(50.0, 900.0)), -0.8 * i, draw(st.floats(0.0, 16.0)), fixed and i == 0)
+        for i in range(count)
     ]
     pair = st.lists(st.integers(0, count - 1), min_size=2, max_size=2, unique=True)
     return bodies, draw(st.lists(st.tuples(pair, springs()), min_size=1, max_size=5))
@@ -101,7 +102,7 @@ def test_joints_exchange_momentum_and_make_none(simulator, joint, structure):
 @settings(max_examples=15, deadline=None)
 @given(structures(), st.data())
 def test_sensitivities_agree_with_differences(simulator, joint, structure, data):
-    """Of the velocity at the end, to any parameter; a difference across a change in the order of events is of first order only."""
+    """Of the velocity, to any parameter; a difference across a change in the order of events is of first order only."""
     model = assemble(structure, joint)
     run = simulator(model).run
     path = data.draw(st.sampled_from([path for path, entry in model.parameters().items() if entry.value > 0.0]))

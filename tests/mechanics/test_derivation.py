@@ -167,7 +167,9 @@ def test_the_line_is_the_line_of_the_file():
 def test_a_law_without_source():
     written: dict = {}
     exec("def force(d, ddot, d_max):\n    return d\n", written)
-    with pytest.raises(CrashkitError, match="spring law tested: its force has no source that can be read .* define it with def"):
+    with pytest.raises(
+        CrashkitError, match="spring law tested: its force has no source that can be read .* define it with def"
+    ):
         emit(LawFunction(law_of(written["force"])), "law")
 
 

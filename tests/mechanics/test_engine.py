@@ -34,6 +34,22 @@ def test_functions_of_a_model(laws, against_wall, plateau):
     assert functions_of(model, laws) == expected
 
 
+def test_the_source_is_the_same_in_every_process():
+    """Else nothing that one process compiled would serve another."""
+    script = (
+        "from crashkit_spring_laws import CrushPlateau, PiecewiseAffine; from crashkit.mechanics import LawFunction; "
+        "from crashkit.mechanics.emit import emit; "
+        "print(emit(LawFunction(CrushPlateau), 'a') + emit(LawFunction(PiecewiseAffine, (5, 5)), 'b'))"
+    )
+    sources = {
+        subprocess.run(
+            [sys.executable, "-c", script], env=os.environ | {"PYTHONHASHSEED": seed}, capture_output=True, check=True
+        ).stdout
+        for seed in "123"
+    }
+    assert len(sources) == 1
+
+
 def start(cache: Path) -> subprocess.Popen:
     environment = os.environ | {"CRASHKIT_CACHE": str(cache)}
     return subprocess.Popen([sys.executable, "-c", SCRIPT], env=environment, stdout=subprocess.PIPE, text=True)

@@ -3,6 +3,7 @@
 import mpmath as mp
 import numpy as np
 import pytest
+import xarray as xr
 from attrs import evolve
 from scipy.integrate import solve_ivp
 
@@ -23,7 +24,7 @@ POINT = (*VALUES, CLEARANCE, FREE_LENGTH, MASS, -1.0, SPEED)
 
 
 def closed_form(alpha, delta, gamma, beta, k, clearance, free_length, mass, position, speed):
-    """Position and velocity at END after a gap, elastic, plateau and densified phases and the way back on the unloading line."""
+    """Position and velocity at END after a gap, elastic, plateau and densified phases and the unloading line back."""
     x1 = delta / alpha
     v1 = mp.sqrt(speed**2 - alpha * x1**2 / mass)
     v2 = mp.sqrt(v1**2 - 2 * delta * (gamma - x1) / mass)
@@ -221,10 +222,9 @@ def test_irregular_output_times_give_the_same_motion(simulator, two_degrees):
 
 
 def test_initial_state_of_a_recording(simulator, two_degrees):
-    import xarray as xr
-
     initial = xr.Dataset(
-        {"position": (("body", "axis"), [[-3.0]]), "velocity": (("body", "axis"), [[1.2]])}, coords={"body": ["rear"], "axis": ["x"]}
+        {"position": (("body", "axis"), [[-3.0]]), "velocity": (("body", "axis"), [[1.2]])},
+        coords={"body": ["rear"], "axis": ["x"]},
     )
     rear = evolve(two_degrees.body("rear"), position=(-3.0,), velocity=(1.2,))
     moved = evolve(two_degrees, bodies=(*two_degrees.bodies[:2], rear))

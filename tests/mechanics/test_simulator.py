@@ -9,7 +9,7 @@ from attrs import evolve
 
 from crashkit.errors import CrashkitError, SimulationError
 from crashkit.mechanics import Simulator, compile_engine, functions_of, simulate
-from crashkit.model import Body, Model, Parameter
+from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.protocols import ParameterSpec, SpringLaw
 
 TIMES = np.linspace(0.0, 3.0, 31)
@@ -102,7 +102,7 @@ def test_bodies_at_rest_stay_at_rest(simulator, against_wall, plateau):
 
 def test_a_mass_that_only_touches_turns_round(simulator, against_wall, plateau):
     """Grazing: thrown back by one spring just as far as the other begins."""
-    model = against_wall("linear_stop", {"stiffness": 1.0, "engagement": 1.0}, speed=1e-9, free_length=Parameter(2.0))
+    model = against_wall("linear_stop", {"stiffness": 1.0, "stop_deformation": 1.0}, speed=1e-9, free_length=Parameter(2.0))
     motion = simulator(model).run(TIMES, step=1e-3)
     assert motion["deformation"].values[0, 0] == 1.0
     np.testing.assert_allclose(motion["deformation"].values[:, 0], 1.0 + 1e-9 * np.sin(TIMES), atol=1e-13)
@@ -115,7 +115,11 @@ def test_many_joints_that_meet_at_once(simulator, against_wall, joint, plateau):
         "one",
         ("wall", "mass"),
         "crush_plateau",
-        {**{name: 4.0 * value for name, value in plateau.items()}, "densification_deformation": 0.6, "unloading_stiffness": 24.0},
+        {
+            **{name: 4.0 * value for name, value in plateau.items()},
+            "densification_deformation": 0.6,
+            "unloading_stiffness": 24.0,
+        },
     )
     found, expected = (simulator(evolve(model, joints=tuple(joints))).run(TIMES, step=1e-3) for joints in (four, [one]))
     np.testing.assert_allclose(found["position"].values, expected["position"].values, atol=1e-11)
@@ -138,7 +142,9 @@ def test_times_that_cannot_be_used(simulator, model, times, message):
         simulator(model).run(times)
 
 
-@pytest.mark.parametrize("path", ["joint.spring.colour", "body.nobody.mass", "joint.other.crush_force", "mass", "instrument.a.b.c"])
+@pytest.mark.parametrize(
+    "path", ["joint.spring.colour", "body.nobody.mass", "joint.other.crush_force", "mass", "instrument.a.b.c"]
+)
 def test_a_path_that_the_model_does_not_have(simulator, model, path):
     with pytest.raises(CrashkitError, match=f"expected a parameter of the model, found {path}"):
         simulator(model).run(TIMES, sensitivities=[path])
@@ -201,8 +207,6 @@ def strange():
 
 
 def _functions(name, laws):
-    from crashkit.model import Joint
-
     parameter = {"jump": "push", "pole": "scale"}[name]
     joint = Joint("spring", ("wall", "mass"), name, {parameter: Parameter(1.0)})
     return functions_of(Model("one", ("x",), (), (joint,)), laws)
@@ -210,7 +214,9 @@ def _functions(name, laws):
 
 def test_a_law_that_holds_its_joint_on_a_jump(strange, against_wall):
     laws, engine = strange
-    with pytest.raises(SimulationError, match="no progress past the branches of joint spring between wall and mass at t = 0.02"):
+    with pytest.raises(
+        SimulationError, match="no progress past the branches of joint spring between wall and mass at t = 0.02"
+    ):
         Simulator(against_wall("jump", {"push": 50.0}), laws, engine).run(TIMES, step=1e-3)
 
 

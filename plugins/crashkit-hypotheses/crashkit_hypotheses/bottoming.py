@@ -7,7 +7,7 @@ import xarray as xr
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import grid, largest_deformation, parallel
+from crashkit_hypotheses.build import added, grid, largest_deformation
 
 SHARES = (0.5, 0.7, 0.85, 0.95)
 
@@ -29,11 +29,11 @@ class Bottoming(Hypothesis):
         ]
 
     def _forms(self, model: Model, joint: Joint, reached: float) -> list[Proposal]:
-        engagement = Parameter(0.8 * reached, 0.2 * reached, 1.2 * reached)
-        line = {"stiffness": Parameter(0.0, 0.0, 1e10), "engagement": engagement}
-        parabola = {"coefficient": Parameter(0.0, 0.0, 1e12), "engagement": engagement}
-        starts = grid(engagement=[share * reached for share in SHARES])
+        stop = Parameter(0.8 * reached, 0.2 * reached, 1.2 * reached)
+        line = {"stiffness": Parameter(0.0, 0.0, 1e10), "stop_deformation": stop}
+        parabola = {"coefficient": Parameter(0.0, 0.0, 1e12), "stop_deformation": stop}
+        starts = grid(stop_deformation=[share * reached for share in SHARES])
         return [
-            parallel(model, joint, self.physics, "line", "linear_stop", line, "stiffness", starts),
-            parallel(model, joint, self.physics, "parabola", "quadratic_stop", parabola, "coefficient", starts),
+            added(model, joint, self.physics, "line", "linear_stop", line, "stiffness", starts),
+            added(model, joint, self.physics, "parabola", "quadratic_stop", parabola, "coefficient", starts),
         ]

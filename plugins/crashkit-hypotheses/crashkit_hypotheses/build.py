@@ -5,10 +5,12 @@ from itertools import product
 
 import numpy as np
 import xarray as xr
+from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.model.edit import fresh_name, with_factor, with_joint
 from crashkit.protocols import Proposal
+from crashkit.registry import load
 
 
 def parallel(
@@ -27,6 +29,26 @@ def parallel(
     return proposal(
         physics, form, {"joint": joint.name}, with_joint(model, extra), f"joint.{name}.", parameters, amplitude, starts
     )
+
+
+def added(
+    model: Model,
+    joint: Joint,
+    physics: str,
+    form: str,
+    law: str,
+    parameters: Mapping[str, Parameter | tuple[Parameter, ...]],
+    amplitude: str,
+    starts: Iterable[Mapping[str, float]] = ({},),
+) -> Proposal:
+    """A force in the loading curve of `joint`, so that it unloads with it; beside it where its law takes none."""
+    name = f"{joint.law} + {law}"
+    if " + " in joint.law or name not in load().spring_laws:
+        return parallel(model, joint, physics, form, law, parameters, amplitude, starts)
+    changed = evolve(joint, law=name, parameters={**joint.parameters, **parameters})
+    augmented = evolve(model, joints=tuple(changed if j.name == joint.name else j for j in model.joints))
+    prefix = f"joint.{joint.name}."
+    return proposal(physics, form, {"joint": joint.name}, augmented, prefix, parameters, amplitude, starts)
 
 
 def multiplied(

@@ -30,9 +30,9 @@ class MissingContact(Hypothesis):
         return [self._contact(model, pair, reached[pair]) for pair in free if reached[pair] > 1e-3]
 
     def _contact(self, model: Model, pair: tuple[str, str], reached: float) -> Proposal:
-        parameters = {"stiffness": Parameter(0.0, 0.0, 1e10), "engagement": Parameter(0.5 * reached, 0.0, reached)}
+        parameters = {"stiffness": Parameter(0.0, 0.0, 1e10), "stop_deformation": Parameter(0.5 * reached, 0.0, reached)}
         name = fresh_name(f"{pair[0]}_{pair[1]}_contact", (joint.name for joint in model.joints))
         augmented = with_joint(model, Joint(name, pair, "linear_stop", parameters))
-        starts = grid(engagement=[share * reached for share in SHARES])
+        starts = grid(stop_deformation=[share * reached for share in SHARES])
         prefix = f"joint.{name}."
         return proposal(self.physics, "line", {"bodies": list(pair)}, augmented, prefix, parameters, "stiffness", starts)

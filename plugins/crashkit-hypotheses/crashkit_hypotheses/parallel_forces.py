@@ -7,7 +7,7 @@ import xarray as xr
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import grid, largest_deformation, parallel
+from crashkit_hypotheses.build import added, grid, largest_deformation, parallel
 
 
 class ViscousDamping(Hypothesis):
@@ -55,7 +55,7 @@ class PeakLoad(Hypothesis):
             "peak_deformation": Parameter(0.1 * reached, 0.01 * reached, reached),
         }
         starts = grid(peak_deformation=(0.08 * reached, 0.2 * reached))
-        return parallel(model, joint, self.physics, "triangle", "peak", peak, "peak_force", starts)
+        return added(model, joint, self.physics, "bump", "peak", peak, "peak_force", starts)
 
 
 class ProgressiveFolding(Hypothesis):
@@ -74,7 +74,7 @@ class ProgressiveFolding(Hypothesis):
             "fold_length": Parameter(0.2 * reached, 0.02 * reached, 0.6 * reached),
         }
         starts = grid(fold_length=[share * reached for share in (0.08, 0.12, 0.18, 0.27, 0.4)])
-        return parallel(model, joint, self.physics, "sine", "folding", folds, "amplitude", starts)
+        return added(model, joint, self.physics, "sine", "folding", folds, "amplitude", starts)
 
 
 class Tension(Hypothesis):

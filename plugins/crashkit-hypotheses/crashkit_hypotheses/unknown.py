@@ -7,7 +7,7 @@ import xarray as xr
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import largest_deformation, largest_force, largest_rate, parallel
+from crashkit_hypotheses.build import added, largest_deformation, largest_force, largest_rate, parallel
 
 KNOTS = 10
 
@@ -30,5 +30,6 @@ class Unknown(Hypothesis):
         return [self._table(model, joint, form, laws[form], reach[form], 2.0 * most) for form in laws]
 
     def _table(self, model: Model, joint: Joint, form: str, law: str, reach: float, most: float) -> Proposal:
-        table = {"force": tuple(Parameter(0.0, -most, most) for _ in range(KNOTS)), "range": Parameter(reach, fixed=True)}
-        return parallel(model, joint, self.physics, form, law, table, "force")
+        table = {"heights": tuple(Parameter(0.0, -most, most) for _ in range(KNOTS)), "reach": Parameter(reach, fixed=True)}
+        build = added if form == "deformation" else parallel
+        return build(model, joint, self.physics, form, law, table, "heights")

@@ -12,6 +12,8 @@ from crashkit_identifiers.result import summarise
 FIRST_DAMPING = 1e-3
 LARGEST_DAMPING = 1e12
 ATTEMPTS = 12
+LONGEST_STEP = 1.0
+"""Of a parameter that is searched in its logarithm: no step changes it by more than a factor e."""
 EXACT = 1e-22
 """Share of the first cost that rounding leaves where a model fits exactly."""
 
@@ -98,6 +100,9 @@ def _move(problem: Problem, state: SensitivityState) -> np.ndarray:
     lower, upper = problem.bounds()
     scale = np.diag(state.curvature).copy()
     scale[scale <= 0] = max(float(scale.max(initial=0.0)), 1.0) * 1e-12
+    logarithmic = problem.scaling(state.point) != 1.0
+    lower = np.where(logarithmic, np.maximum(lower, state.point - LONGEST_STEP), lower)
+    upper = np.where(logarithmic, np.minimum(upper, state.point + LONGEST_STEP), upper)
     move = np.zeros(len(state.point))
     free = np.ones(len(move), dtype=bool)
     for _ in range(len(move) + 1):

@@ -6,8 +6,8 @@ from crashkit_spring_laws.dampers import Coulomb, Viscous
 from crashkit_spring_laws.piecewise_affine import PiecewiseAffine
 from crashkit_spring_laws.rate_factors import RateLinear, RateLogarithm, RatePower
 from crashkit_spring_laws.stops import LinearStop, QuadraticStop, TensionSpring
-from crashkit_spring_laws.tie import Tie
 from crashkit_spring_laws.tables import RateTable, SmoothTable
+from crashkit_spring_laws.tie import Tie
 
 SPRING_LAWS = (
     Tie,
@@ -27,4 +27,21 @@ SPRING_LAWS = (
     RateTable,
 )
 
-__all__ = ["SPRING_LAWS", *(law.__name__ for law in SPRING_LAWS)]
+__all__ = [
+    "SPRING_LAWS",
+    "Coulomb",
+    "CrushPlateau",
+    "Folding",
+    "LinearStop",
+    "Peak",
+    "PiecewiseAffine",
+    "QuadraticStop",
+    "RateLinear",
+    "RateLogarithm",
+    "RatePower",
+    "RateTable",
+    "SmoothTable",
+    "TensionSpring",
+    "Tie",
+    "Viscous",
+]

@@ -8,7 +8,7 @@ from crashkit.protocols import ParameterSpec, SpringLaw
 class Peak(SpringLaw):
     """The peak of an undeformed member: P u exp(1 - u) with u = d_max / peak_deformation.
 
-    It depends on the largest deformation, so that it comes once; it is released along its own first slope, e P / peak_deformation.
+    It depends on the largest deformation, so that it comes once; it is released along its first slope, e P / peak_deformation.
     """
 
     name = "peak"
@@ -20,7 +20,7 @@ class Peak(SpringLaw):
     @staticmethod
     def force(d: float, ddot: float, d_max: float, peak_force: float, peak_deformation: float) -> float:
         """The force, N, compression positive."""
-        u = d_max / peak_deformation
+        u = max(0.0, d_max) / peak_deformation
         release = math.e * (d_max - d) / peak_deformation
         return peak_force * max(0.0, u * math.exp(1.0 - u) - release)
 
@@ -44,6 +44,4 @@ class Folding(SpringLaw):
         wave_number = 2.0 * math.pi / fold_length
         crest = math.sin(wave_number * max(0.0, d_max - onset))
         release = wave_number * (d_max - d)
-        if crest >= 0.0:
-            return amplitude * max(0.0, crest - release)
-        return amplitude * min(0.0, crest + release)
+        return amplitude * (max(0.0, crest - release) + min(0.0, crest + release))

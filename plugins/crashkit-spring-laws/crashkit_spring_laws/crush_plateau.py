@@ -7,11 +7,11 @@ from crashkit_spring_laws.shared import CLEARANCE, RATE_COEFFICIENT, TENSION, UN
 class CrushPlateau(SpringLaw):
     """Elastic slope, buckling plateau, densification slope (Mizzi & Jezequel 1992, Fig 2, eq 1 and 40).
 
-    With x = d - clearance, F_load = alpha x up to delta; delta up to x = max(gamma, delta / alpha); then delta + beta (x - that).
-    F = max(0, F_load(d_max) - k (d_max - d)) max(0, 1 + a ddot); without unloading stiffness k, F_load(d) in place of the first.
+    With x = d - clearance, F_load = alpha x up to delta; delta up to x = max(gamma, delta / alpha); then + beta (x - that).
+    F = max(0, F_load(d_max) - k (d_max - d)) max(0, 1 + a ddot); without unloading stiffness k, F_load(d) replaces the first.
 
-    With `tension` the elastic line goes on below x = 0, the unloading line goes on below F = 0, and so both pull: a member that
-    was never crushed beyond its clearance pulls along the unloading line from its elastic force at d_max.
+    With `tension` the elastic line goes on below x = 0 and the unloading line below F = 0, and so both pull: a member that was
+    never crushed beyond its clearance pulls along the unloading line from its elastic force at d_max.
     """
 
     name = "crush_plateau"
@@ -42,6 +42,7 @@ class CrushPlateau(SpringLaw):
     ) -> float:
         """The force, N, compression positive."""
         turn = d_max if unloading_stiffness > 0.0 else d
+        added = 0.0
         x = turn - clearance
         densification = max(densification_deformation, crush_force / elastic_stiffness)
         if x >= densification:
@@ -50,7 +51,7 @@ class CrushPlateau(SpringLaw):
             static = crush_force
         else:
             static = elastic_stiffness * x
-        static = static - unloading_stiffness * (turn - d)
+        static = static + added - unloading_stiffness * (turn - d)
         if tension == 0.0:
             static = max(0.0, static)
         return static * max(0.0, 1.0 + rate_coefficient * ddot)

@@ -7,7 +7,7 @@ from crashkit_spring_laws.shared import CLEARANCE, ENGAGEMENT
 
 
 class Viscous(SpringLaw):
-    """A dashpot: c ddot while in contact, F = c ddot min(1, max(0, d - clearance) / engagement); it also holds back on parting."""
+    """A dashpot that also holds back on parting: F = c ddot min(1, max(0, d - clearance) / engagement)."""
 
     name = "viscous"
     parameters = (

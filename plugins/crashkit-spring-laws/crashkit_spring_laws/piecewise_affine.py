@@ -11,7 +11,7 @@ class PiecewiseAffine(SpringLaw):
     """A succession of affine segments (Mizzi & Jezequel 1992, Fig 2).
 
     With x = d - clearance, F_load is the broken line from (0, 0) through (deformation[i], force[i]), then `final_stiffness`.
-    F = max(0, F_load(d_max) - k (d_max - d)) max(0, 1 + a ddot); without unloading stiffness k, F_load(d) in place of the first.
+    F = max(0, F_load(d_max) - k (d_max - d)) max(0, 1 + a ddot); without unloading stiffness k, F_load(d) replaces the first.
 
     Where the first corner is at deformation 0, its force is reached within 0.1 mm, because a force must be continuous.
     With `tension` the first line goes on below x = 0, the unloading line goes on below F = 0, and so both pull.
@@ -19,7 +19,9 @@ class PiecewiseAffine(SpringLaw):
 
     name = "piecewise_affine"
     parameters = (
-        ParameterSpec("deformation", "m", "deformation at the corners, increasing", lower=0.0, free=False, vector=True, increasing=True),
+        ParameterSpec(
+            "deformation", "m", "deformation at the corners, increasing", lower=0.0, free=False, vector=True, increasing=True
+        ),
         ParameterSpec("force", "N", "force at the corners", vector=True),
         ParameterSpec("final_stiffness", "N m-1", "slope after the last corner", default=0.0),
         UNLOADING_STIFFNESS,
@@ -43,22 +45,23 @@ class PiecewiseAffine(SpringLaw):
     ) -> float:
         """The force, N, compression positive."""
         turn = d_max if unloading_stiffness > 0.0 else d
+        added = 0.0
         x = turn - clearance
         if deformation[0] > 0.0:
-            static = force[0] * x / deformation[0]
+            start, end, low, high = 0.0, deformation[0], 0.0, force[0]
         elif len(force) > 1:
-            static = force[0] + (force[1] - force[0]) / deformation[1] * x
+            start, end, low, high = 0.0, deformation[1], force[0], force[1]
         else:
-            static = force[0] + final_stiffness * x
+            start, end, low, high = 0.0, 1.0, force[0], force[0] + final_stiffness
         for i in range(len(force) - 1):
             if x >= deformation[i]:
-                slope = (force[i + 1] - force[i]) / (deformation[i + 1] - deformation[i])
-                static = force[i] + slope * (x - deformation[i])
+                start, end, low, high = deformation[i], deformation[i + 1], force[i], force[i + 1]
         if x >= deformation[-1]:
-            static = force[-1] + final_stiffness * (x - deformation[-1])
+            start, end, low, high = deformation[-1], deformation[-1] + 1.0, force[-1], force[-1] + final_stiffness
+        static = low + (high - low) * (x - start) / (end - start)
         if deformation[0] == 0.0:
             static = static + force[0] * min(0.0, x / RISE - 1.0)
-        static = static - unloading_stiffness * (turn - d)
+        static = static + added - unloading_stiffness * (turn - d)
         if tension == 0.0:
             static = max(0.0, static)
         return static * max(0.0, 1.0 + rate_coefficient * ddot)

@@ -14,9 +14,7 @@ class RateLinear(SpringLaw):
     name = "rate_linear"
     unit = "1"
     parameters = (
-        ParameterSpec(
-            "rate_slope", "s m-1", "relative rise of the force with deformation rate (a)", lower=0.0, null=0.0
-        ),
+        ParameterSpec("rate_slope", "s m-1", "relative rise of the force with deformation rate (a)", lower=0.0, null=0.0),
     )
 
     @staticmethod

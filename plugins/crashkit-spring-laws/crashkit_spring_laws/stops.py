@@ -2,37 +2,37 @@
 
 from crashkit.protocols import ParameterSpec, SpringLaw
 
-ENGAGEMENT_DEFORMATION = ParameterSpec("engagement", "m", "deformation at which the stop is met", lower=0.0)
+STOP_DEFORMATION = ParameterSpec("stop_deformation", "m", "deformation at which the stop is met", lower=0.0)
 
 
 class LinearStop(SpringLaw):
-    """A stop that is met at a deformation: F = k max(0, d - engagement)."""
+    """A stop that is met at a deformation: F = k max(0, d - stop_deformation)."""
 
     name = "linear_stop"
     parameters = (
         ParameterSpec("stiffness", "N m-1", "slope beyond the stop (k)", lower=0.0, null=0.0),
-        ENGAGEMENT_DEFORMATION,
+        STOP_DEFORMATION,
     )
 
     @staticmethod
-    def force(d: float, ddot: float, d_max: float, stiffness: float, engagement: float) -> float:
+    def force(d: float, ddot: float, d_max: float, stiffness: float, stop_deformation: float) -> float:
         """The force, N, compression positive."""
-        return stiffness * max(0.0, d - engagement)
+        return stiffness * max(0.0, d - stop_deformation)
 
 
 class QuadraticStop(SpringLaw):
-    """A stop that stiffens: F = c max(0, d - engagement)^2."""
+    """A stop that stiffens: F = c max(0, d - stop_deformation)^2."""
 
     name = "quadratic_stop"
     parameters = (
         ParameterSpec("coefficient", "N m-2", "force for a unit of deformation squared (c)", lower=0.0, null=0.0),
-        ENGAGEMENT_DEFORMATION,
+        STOP_DEFORMATION,
     )
 
     @staticmethod
-    def force(d: float, ddot: float, d_max: float, coefficient: float, engagement: float) -> float:
+    def force(d: float, ddot: float, d_max: float, coefficient: float, stop_deformation: float) -> float:
         """The force, N, compression positive."""
-        return coefficient * max(0.0, d - engagement) ** 2
+        return coefficient * max(0.0, d - stop_deformation) ** 2
 
 
 class TensionSpring(SpringLaw):

@@ -5,46 +5,50 @@ import math
 from crashkit.protocols import ParameterSpec, SpringLaw
 from crashkit_spring_laws.shared import ENGAGEMENT
 
-FORCE = ParameterSpec("force", "N", "heights of the bumps, of either sign", vector=True, null=0.0)
+HEIGHTS = ParameterSpec("heights", "N", "heights of the bumps, of either sign", vector=True, null=0.0)
 WIDTH = 0.8
 """Of a bump, in distances between bumps: wide enough to overlap smoothly, narrow enough to be told apart."""
 
 
 class SmoothTable(SpringLaw):
-    """A smooth force of the deformation: bumps at even distances between d = 0 and d = range.
+    """A smooth force of the deformation: bumps at even distances between d = 0 and d = reach.
 
-    F = min(1, max(0, d) / engagement) sum_i force[i] exp(-((n d / range - i - 1/2) / 0.8)^2).
+    F = min(1, max(0, d) / engagement) sum_i heights[i] exp(-((n d / reach - i - 1/2) / 0.8)^2).
     """
 
     name = "smooth_table"
     passive = False
-    parameters = (FORCE, ParameterSpec("range", "m", "deformation that the bumps cover", lower=1e-6, free=False), ENGAGEMENT)
+    parameters = (HEIGHTS, ParameterSpec("reach", "m", "deformation that the bumps cover", lower=1e-6, free=False), ENGAGEMENT)
 
     @staticmethod
-    def force(d: float, ddot: float, d_max: float, force: list[float], range: float, engagement: float) -> float:
+    def force(d: float, ddot: float, d_max: float, heights: list[float], reach: float, engagement: float) -> float:
         """The force, N, compression positive."""
-        place = d / range * len(force)
+        place = d / reach * len(heights)
         total = 0.0
-        for i, height in enumerate(force):
+        for i, height in enumerate(heights):
             total = total + height * math.exp(-(((place - i - 0.5) / WIDTH) ** 2))
         return total * min(1.0, max(0.0, d) / engagement)
 
 
 class RateTable(SpringLaw):
-    """A smooth force of the rate while in contact: bumps at even distances between -range and range.
+    """A smooth force of the rate while in contact: bumps at even distances between -reach and reach.
 
-    F = min(1, max(0, d) / engagement) sum_i force[i] exp(-((n (ddot / range + 1) / 2 - i - 1/2) / 0.8)^2).
+    F = min(1, max(0, d) / engagement) sum_i heights[i] exp(-((n (ddot / reach + 1) / 2 - i - 1/2) / 0.8)^2).
     """
 
     name = "rate_table"
     passive = False
-    parameters = (FORCE, ParameterSpec("range", "m s-1", "rate that the bumps cover, either way", lower=1e-6, free=False), ENGAGEMENT)
+    parameters = (
+        HEIGHTS,
+        ParameterSpec("reach", "m s-1", "rate that the bumps cover, either way", lower=1e-6, free=False),
+        ENGAGEMENT,
+    )
 
     @staticmethod
-    def force(d: float, ddot: float, d_max: float, force: list[float], range: float, engagement: float) -> float:
+    def force(d: float, ddot: float, d_max: float, heights: list[float], reach: float, engagement: float) -> float:
         """The force, N, compression positive."""
-        place = (ddot / range + 1.0) / 2.0 * len(force)
+        place = (ddot / reach + 1.0) / 2.0 * len(heights)
         total = 0.0
-        for i, height in enumerate(force):
+        for i, height in enumerate(heights):
             total = total + height * math.exp(-(((place - i - 0.5) / WIDTH) ** 2))
         return total * min(1.0, max(0.0, d) / engagement)

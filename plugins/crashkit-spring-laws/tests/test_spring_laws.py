@@ -1,0 +1,169 @@
+"""Every law keeps the contract, and has the values that its docstring gives."""
+
+import math
+
+import pytest
+
+from crashkit.testing import SpringLawContract
+from crashkit_spring_laws import (
+    SPRING_LAWS,
+    Coulomb,
+    CrushPlateau,
+    Folding,
+    LinearStop,
+    Peak,
+    PiecewiseAffine,
+    QuadraticStop,
+    RateLinear,
+    RateLogarithm,
+    RatePower,
+    RateTable,
+    SmoothTable,
+    TensionSpring,
+    Tie,
+    Viscous,
+)
+
+PLATEAU = {
+    "elastic_stiffness": 1.1e6,
+    "crush_force": 1.2e5,
+    "densification_deformation": 0.35,
+    "densification_stiffness": 9e5,
+}
+CORNERS = {"deformation": [0.1, 0.2, 0.5], "force": [8e4, 5e4, 2e5], "final_stiffness": 4e5}
+
+EXAMPLES = [
+    (CrushPlateau, PLATEAU),
+    (CrushPlateau, PLATEAU | {"unloading_stiffness": 4e6, "rate_coefficient": 0.02, "clearance": 0.05}),
+    (PiecewiseAffine, CORNERS),
+    (PiecewiseAffine, CORNERS | {"unloading_stiffness": 2e6, "rate_coefficient": 0.1, "clearance": 0.1}),
+    (PiecewiseAffine, {"deformation": [0.0], "force": [0.0], "final_stiffness": 1e5}),
+    (RateLinear, {"rate_slope": 0.02}),
+    (RatePower, {"rate_amplitude": 0.3, "rate_exponent": 0.2}),
+    (RateLogarithm, {"rate_amplitude": 0.1, "reference_rate": 0.5}),
+    (Viscous, {"damping": 3e3, "clearance": 0.1}),
+    (Coulomb, {"friction_force": 5e3}),
+    (LinearStop, {"stiffness": 1e6, "stop_deformation": 0.3}),
+    (QuadraticStop, {"coefficient": 1e6, "stop_deformation": 0.3}),
+    (TensionSpring, {"stiffness": 1e6}),
+    (Peak, {"peak_force": 5e4, "peak_deformation": 0.1}),
+    (Folding, {"amplitude": 2e4, "fold_length": 0.3, "onset": 0.2}),
+    (SmoothTable, {"heights": [1e4, -2e4, 3e4], "reach": 0.6}),
+    (RateTable, {"heights": [-1e4, 0.0, 2e4, 3e4], "reach": 10.0}),
+    (Tie, {"stiffness": 1e6, "damping": 2e3, "slack": 0.05}),
+]
+
+
+@pytest.fixture(params=EXAMPLES, ids=lambda example: example[0].name)
+def example(request):
+    return request.param
+
+
+class TestSpringLaws(SpringLawContract):
+    @pytest.fixture
+    def law(self, example):
+        return example[0]
+
+    @pytest.fixture
+    def parameters(self, example):
+        return example[1]
+
+
+class TestForceAtNoDeformation(SpringLawContract):
+    """A force that rises within 0.1 mm is followed in small steps."""
+
+    largest_deformation = 0.01
+
+    @pytest.fixture
+    def law(self):
+        return PiecewiseAffine
+
+    @pytest.fixture
+    def parameters(self):
+        return {"deformation": [0.0, 0.003], "force": [6e4, 8e4], "final_stiffness": 1e5}
+
+
+def test_every_law_is_tested():
+    assert {law for law, _ in EXAMPLES} == set(SPRING_LAWS)
+
+
+def value(law, d, ddot=0.0, d_max=None, **parameters):
+    values = [parameters.get(spec.name, spec.default) for spec in law.parameters]
+    return law.force(d, ddot, max(d, 0.0) if d_max is None else d_max, *values)
+
+
+@pytest.mark.parametrize(("d", "expected"), [(-0.1, 0.0), (0.05, 5.5e4), (0.2, 1.2e5), (0.35, 1.2e5), (0.45, 1.2e5 + 9e4)])
+def test_crush_plateau_loading(d, expected):
+    assert value(CrushPlateau, d, **PLATEAU) == pytest.approx(expected)
+    assert value(CrushPlateau, d + 0.07, **PLATEAU, clearance=0.07) == pytest.approx(expected)
+    assert value(CrushPlateau, d, ddot=3.0, **PLATEAU, rate_coefficient=0.1) == pytest.approx(1.3 * expected)
+    assert value(CrushPlateau, d, ddot=-30.0, **PLATEAU, rate_coefficient=0.1) == 0.0
+
+
+def test_crush_plateau_without_a_plateau():
+    """A densification that begins before the crush force is reached begins where it is reached."""
+    early = PLATEAU | {"densification_deformation": 0.01}
+    assert value(CrushPlateau, 0.2, **early) == pytest.approx(1.2e5 + 9e5 * (0.2 - 1.2e5 / 1.1e6))
+
+
+@pytest.mark.parametrize(("law", "parameters"), [(CrushPlateau, PLATEAU), (PiecewiseAffine, CORNERS)])
+def test_unloading_and_reloading_follow_one_line(law, parameters):
+    top = value(law, 0.3, **parameters)
+    for d in (0.29, 0.27, 0.29, 0.3):
+        assert value(law, d, d_max=0.3, **parameters, unloading_stiffness=2e6) == pytest.approx(top - 2e6 * (0.3 - d))
+    assert value(law, 0.1, d_max=0.3, **parameters, unloading_stiffness=2e6) == 0.0
+    assert value(law, 0.1, d_max=0.3, **parameters, unloading_stiffness=2e6, tension=1.0) == pytest.approx(top - 4e5)
+    assert value(law, 0.27, d_max=0.3, **parameters) == pytest.approx(value(law, 0.27, **parameters))
+
+
+def test_tension_pulls():
+    assert value(CrushPlateau, -0.1, **PLATEAU, tension=1.0) == pytest.approx(-1.1e5)
+    assert value(PiecewiseAffine, -0.1, **CORNERS, tension=1.0) == pytest.approx(-8e4)
+
+
+@pytest.mark.parametrize(
+    ("d", "expected"), [(-0.1, 0.0), (0.05, 4e4), (0.1, 8e4), (0.15, 6.5e4), (0.35, 1.25e5), (0.6, 2.4e5)]
+)
+def test_piecewise_affine_loading(d, expected):
+    assert value(PiecewiseAffine, d, **CORNERS) == pytest.approx(expected)
+
+
+def test_a_force_at_no_deformation_is_reached_within_a_tenth_of_a_millimetre():
+    preload = {"deformation": [0.0, 0.3], "force": [6e4, 9e4]}
+    assert value(PiecewiseAffine, 0.0, **preload) == 0.0
+    assert value(PiecewiseAffine, 1e-4, **preload) == pytest.approx(6e4 + 10.0)
+    assert value(PiecewiseAffine, 0.1, **preload) == pytest.approx(7e4)
+
+
+def test_rate_factors():
+    assert value(RatePower, 0.1, ddot=8.0, rate_amplitude=0.5, rate_exponent=1.0 / 3.0) == pytest.approx(
+        1.0 + 0.5 * (2.0 - 0.01 ** (1.0 / 3.0)), rel=1e-6
+    )
+    assert value(RatePower, 0.1, ddot=-8.0, rate_amplitude=0.5, rate_exponent=0.3) == 1.0
+    assert value(RateLogarithm, 0.1, ddot=3.0, rate_amplitude=0.1, reference_rate=1.0) == pytest.approx(1 + 0.1 * math.log(4))
+
+
+def test_peak_comes_once():
+    shape = {"peak_force": 5e4, "peak_deformation": 0.1}
+    assert value(Peak, 0.1, **shape) == pytest.approx(5e4)
+    assert value(Peak, 0.1, d_max=0.5, **shape) == 0.0
+
+
+def test_folding_swings_about_nothing_and_lets_go():
+    shape = {"amplitude": 2e4, "fold_length": 0.2, "onset": 0.1}
+    assert value(Folding, 0.15, **shape) == pytest.approx(2e4)
+    assert value(Folding, 0.25, **shape) == pytest.approx(-2e4)
+    assert value(Folding, 0.05, **shape) == 0.0
+    assert value(Folding, 0.1, d_max=0.15, **shape) == 0.0
+
+
+def test_tables():
+    """Each bump stands alone in its middle but for exp(-1 / 0.64) of its neighbours."""
+    share = math.exp(-1.0 / 0.64)
+    table = {"heights": [1e4, -2e4], "reach": 0.6}
+    forces = [value(SmoothTable, d, **table) for d in (-0.1, 0.0, 0.15, 0.45)]
+    assert forces == pytest.approx([0.0, 0.0, 1e4 - 2e4 * share, 1e4 * share - 2e4])
+    rates = {"heights": [-1e4, 2e4], "reach": 10.0}
+    forces = [value(RateTable, 0.1, ddot=rate, **rates) for rate in (-5.0, 5.0)]
+    assert forces == pytest.approx([-1e4 + 2e4 * share, -1e4 * share + 2e4])
+    assert value(RateTable, 0.0, ddot=5.0, **rates) == 0.0
