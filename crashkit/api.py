@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
+from time import monotonic
 
 import numpy as np
 import xarray as xr
@@ -22,6 +23,8 @@ from crashkit.report import write_json, write_report
 Show = Callable[[str], None]
 SIMULATION_INTERVAL = 1e-4
 """s between the instants of a simulation that is written to a file."""
+PROGRESS_INTERVAL = 2.0
+"""s between two lines of progress on the same work."""
 
 
 def load_model(path: Path) -> Model:
@@ -54,8 +57,9 @@ def workshop(registry: Registry | None = None, method: str = "sensitivity", smoo
 def diagnose_files(model: Path, runs: Sequence[Path], holdout: Sequence[Path], output: Path, progress: Show) -> Diagnosis:
     """Diagnose a model against recordings; writes diagnosis.json, augmented_model.toml and index.html."""
     given, recordings, unseen = load_model(model), load_recordings(runs), load_recordings(holdout)
-    if set(recordings) & set(unseen):
-        raise CrashkitError(f"expected runs that are either fitted or held out, found both: {sorted(set(recordings) & set(unseen))[0]}")
+    both = sorted(set(recordings) & set(unseen))
+    if both:
+        raise CrashkitError(f"expected runs that are either fitted or held out, found both: {both[0]}")
     _make_folder(output)
     result = diagnose(given, recordings, unseen, workshop(), _told(progress))
     write_model(result.augmented_model, output / "augmented_model.toml", load().spring_laws)
@@ -135,13 +139,14 @@ def _make_folder(folder: Path) -> None:
 
 
 def _told(progress: Show) -> Callable[[str, float], None]:
-    """Progress in whole sentences, at most one for each twentieth of a piece of work."""
-    shown: set[tuple[str, int]] = set()
+    """Progress in whole sentences: new work is told at once, then one line every few seconds."""
+    last, told = "", 0.0
 
     def tell(doing: str, share: float) -> None:
-        step = (doing.split()[0], int(20 * share))
-        if step not in shown:
-            shown.add(step)
+        nonlocal last, told
+        work, now = doing.split()[0], monotonic()
+        if work != last or now - told > PROGRESS_INTERVAL:
+            last, told = work, now
             progress(f"{doing} ({100 * share:.0f} %)" if share else doing)
 
     return tell

@@ -3,7 +3,9 @@
 Only a command that runs imports what it needs, so that help appears at once.
 """
 
+import os
 import sys
+import warnings
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from importlib.metadata import version
@@ -14,6 +16,9 @@ from crashkit.errors import CrashkitError
 
 USER_ERROR = 2
 INTERRUPTED = 130
+
+THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+"""What the libraries behind numpy read once, when they are loaded."""
 
 COMMANDS = (diagnose, simulate, identify, import_, check, demo, plugins)
 
@@ -37,9 +42,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         the exit status: 0; 2 for an error that the user can mend, told on stderr; 130 where the user interrupted.
     """
     arguments = parser().parse_args(argv)
+    _use_one_thread()
     try:
         _warn_of_failed_plugins(arguments)
-        arguments.run(arguments)
+        _run(arguments)
     except CrashkitError as error:
         _complain(str(error))
         return USER_ERROR
@@ -60,6 +66,19 @@ def parser() -> Parser:
     for command in COMMANDS:
         command.register(commands)
     return root
+
+
+def _use_one_thread() -> None:
+    """Before numpy is loaded: the work is many small matrices, on which threads only wait for each other."""
+    for variable in THREADS:
+        os.environ.setdefault(variable, "1")
+
+
+def _run(arguments: Namespace) -> None:
+    """What a command, or a plugin in it, warns of goes to stderr like every other line."""
+    with warnings.catch_warnings():
+        warnings.showwarning = lambda message, *_, **__: _complain(f"warning: {message}")
+        arguments.run(arguments)
 
 
 def _warn_of_failed_plugins(arguments: Namespace) -> None:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 import numpy as np
 from attrs import frozen
 
+from crashkit.diagnose.reidentify import best_of_many
 from crashkit.diagnose.result import place_of
 from crashkit.diagnose.score import Score, score
 from crashkit.diagnose.search import Search, begin
@@ -16,12 +17,16 @@ Progress = Callable[[str, float], None]
 Entrant = tuple[Proposal, Search]
 
 STARTS = 2
-"""How many starts of each claim are fitted, from each origin."""
-HEATS = ((300, 8), (16, 8), (6, 40))
+"""How many starts of each form of each claim are fitted from the given values; one is from the re-identified ones."""
+HEATS = ((300, 3), (50, 5), (12, 8), (5, 40))
 """How many of them enter each heat of fits, and how many steps each gets there."""
 CONCEALED = 1.3
 """Normalised residual of the re-identified model above which it may have hidden physics in wrong values of its own; then the
 hypotheses are also fitted from the values that the user gave."""
+FLOOR = 1.05
+"""Normalised residual above which the winner has not explained everything, and the search goes on."""
+POLISHED = 2
+"""How many of the leading claims are then searched again."""
 LEAST_PROMISE = 1e-3
 """A drop in chi squared below this says that nothing of the effect is excited."""
 UNKNOWN_ODDS = 1e-2
@@ -77,11 +82,13 @@ def fit_rivals(
     """
     residual = base.residual(base.start())
     reference = float(residual @ residual)
-    entrants = _entrants(workshop, base, proposals, reference, STARTS, progress)
+    entrants = _entrants(workshop, base, proposals, reference, 1, progress)
     if np.sqrt(reference / base.independent_samples) > CONCEALED:
         entrants += _entrants(workshop, given, proposals, np.inf, STARTS, progress)
-    searches = _heats(entrants, progress)
-    ranked = [_rival(proposal, search, base.deviance(residual)) for proposal, search in searches]
+    fitted = [_rival(p, search, base.deviance(residual)) for p, search in _heats(entrants, progress)]
+    ranked = sorted(fitted, key=lambda rival: -rival.evidence)
+    if ranked and ranked[0].search.normalised > FLOOR:
+        ranked += _polished(workshop, given, ranked, proposals, base.deviance(residual), progress)
     return sorted(ranked, key=lambda rival: -rival.evidence)
 
 
@@ -103,6 +110,25 @@ def best_forms(ranked: Iterable[Rival]) -> list[Rival]:
     for rival in ranked:
         best.setdefault(rival.identity, rival)
     return list(best.values())
+
+
+def _polished(
+    workshop: Workshop, given: Misfit, ranked: Sequence[Rival], proposals: Sequence[Proposal], reference: float, progress: Progress
+) -> list[Rival]:
+    """Every form of the leading claims, searched from many starts: the winner has not reached the noise floor, and another form
+    of its own or of its closest rivals may only have been caught in a local optimum.
+    """
+    leading = list(dict.fromkeys(identity(rival.proposal) for rival in ranked))[:POLISHED]
+    forms = [p for p in proposals if identity(p) in leading and p.physics != "unknown"]
+    polished = []
+    for done, proposal in enumerate(forms):
+        progress(f"searching again for {proposal.physics} at {place_of(proposal.location)}", done / len(forms))
+        found = next((r.search for r in ranked if r.proposal is proposal), None)
+        known = found.misfit.values(found.point) if found else {}
+        new = {name: known[name] for name in proposal.parameters if name in known} or dict(proposal.starts[0])
+        search = best_of_many(workshop.identifier, workshop.misfit(given, proposal.model).with_values(new))
+        polished.append(_rival(proposal, search, reference))
+    return polished
 
 
 def _rival(proposal: Proposal, search: Search, reference: float) -> Rival:
@@ -133,12 +159,13 @@ def _entrant(workshop: Workshop, origin: Misfit, promising: Score) -> Entrant:
 
 
 def _first_of_each(ranked: Sequence[Score], most: int) -> list[Score]:
-    """The best few of each claim."""
-    seen: Counter[tuple[str, str]] = Counter()
+    """The best few of each claim in each form."""
+    seen: Counter[tuple[str, ...]] = Counter()
     chosen = []
     for one in ranked:
-        seen[identity(one.proposal)] += 1
-        if seen[identity(one.proposal)] <= most:
+        key = (*identity(one.proposal), one.proposal.form)
+        seen[key] += 1
+        if seen[key] <= most:
             chosen.append(one)
     return chosen
 

@@ -23,7 +23,7 @@ def reidentify(identifier: Identifier[Any], misfit: Misfit) -> Search:
     Channels whose noise level is open are weighed by what the model leaves of them, which the fit itself changes: a few
     rounds settle that.
     """
-    search = _best_of_many(identifier, misfit)
+    search = best_of_many(identifier, misfit)
     if all(channel.noise.trusted for channel in misfit.channels):
         return search
     for _ in range(REWEIGHTINGS):
@@ -36,7 +36,8 @@ def refine(identifier: Identifier[Any], misfit: Misfit) -> Search:
     return begin(identifier, misfit).advance(STEPS)
 
 
-def _best_of_many(identifier: Identifier[Any], misfit: Misfit) -> Search:
+def best_of_many(identifier: Identifier[Any], misfit: Misfit) -> Search:
+    """The best of several searches that begin at the model's values and around them."""
     searches = [begin(identifier, misfit.with_values(misfit.values(start))) for start in _starts(misfit)]
     for size, steps in HEATS:
         ahead = sorted(searches, key=lambda search: search.state.cost)[:size]

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from attrs import field, frozen
 
-from crashkit.diagnose.name import Progress, Rival, best_forms, fit_rivals, identity, probabilities, propose_all
+from crashkit.diagnose.name import FLOOR, Progress, Rival, best_forms, fit_rivals, identity, probabilities, propose_all
 from crashkit.diagnose.search import Search, begin
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
@@ -17,22 +17,32 @@ CHANCE = 0.01
 """A finding is made when the probability that there is nothing falls below this."""
 LEAST_DROP = 20.0
 """Chi squared that a finding must at least explain: among a hundred trials of noise the largest stays below it."""
+FORM_ERROR = 0.005
+"""Share of what was explained already that a further finding must at least explain: the form of a law is never quite right, and
+a form that is wrong by 7 % of its effect leaves this much."""
 STEPS = 60
+NEEDED = 100.0
+"""Chi squared that the loss of a finding must cost for it to be plainly needed."""
+TIE = 10.0
+"""Chi squared by which two explanations may differ and still count as equally good."""
 
 
 @frozen
 class Round:
-    """One look at what is left: the rivals in order, their probabilities, and that of nothing."""
+    """One look at what is left: the rivals in order, their probabilities, that of nothing, the misfit before, and how much of
+    chi squared other findings have explained already."""
 
     rivals: tuple[Rival, ...]
     probabilities: tuple[float, ...]
     nothing: float
     before: Misfit
+    explained: float = 0.0
 
     @property
     def winner(self) -> Rival | None:
         """The rival that convinces, if one does."""
-        convincing = bool(self.rivals) and self.nothing < CHANCE and self.rivals[0].drop > LEAST_DROP
+        least = max(LEAST_DROP, FORM_ERROR * self.explained)
+        convincing = bool(self.rivals) and self.nothing < CHANCE and self.rivals[0].drop > least
         return self.rivals[0] if convincing else None
 
 
@@ -85,38 +95,43 @@ def _look(workshop: Workshop, given: Misfit, current: Misfit, found: Sequence[Ri
     equipped = workshop.equipped([p.model for p in proposals])
     best = best_forms(fit_rivals(equipped, current, _as_given(current, given), proposals, progress))
     chances, nothing = probabilities(best, len({identity(p) for p in proposals}))
-    return Round(tuple(best), tuple(chances.tolist()), nothing, current)
+    return Round(tuple(best), tuple(chances.tolist()), nothing, current, sum(rival.drop for rival in found))
 
 
 def _reconsider(
     workshop: Workshop, given: Misfit, base_search: Search, rounds: list[Round], progress: Progress
 ) -> tuple[list[Round], Search]:
-    """Takes each finding away in turn, and lets all hypotheses compete again for its place beside the others."""
-    kept = [r.rivals[0] for r in rounds]
-    looks: list[Round] = []
-    search = base_search
-    for rival in [r.rivals[0] for r in rounds]:
-        others = [other for other in kept if other is not rival]
+    """Takes each finding away in turn, and lets all hypotheses compete again for its place beside the others.
+
+    The first that was found had to make do for all of them, and is often only the best stand-in. Where everything is explained
+    and nothing can be spared, there is nothing to question.
+    """
+    looks, search = list(rounds), rounds[-1].rivals[0].search
+    for old in rounds:
+        others = [look.rivals[0] for look in looks if look is not old]
         without = rebuild(workshop, base_search, others)
+        if without is None or (search.normalised < FLOOR and without.deviance > search.deviance + NEEDED):
+            continue
         look = _look(workshop, given, without.fitted(), others, progress)
         if look.winner is None:
-            kept, search = others, without
-            continue
-        kept[kept.index(rival)] = look.winner
-        looks.append(look)
-        search = look.winner.search
+            looks.remove(old)
+            search = without
+        elif look.winner.search.deviance < search.deviance + TIE:
+            looks[looks.index(old)] = look
+            search = look.winner.search
     return looks, search
 
 
-def rebuild(workshop: Workshop, base_search: Search, rivals: Sequence[Rival]) -> Search:
-    """The given model with these findings, fitted, from the values that they were found at."""
+def rebuild(workshop: Workshop, base_search: Search, rivals: Sequence[Rival]) -> Search | None:
+    """The given model with these findings, fitted, from the values that they were found at; None if one cannot be placed."""
     search = base_search
     for rival in rivals:
         current = search.fitted()
-        proposal = next(p for p in propose_all(workshop.hypotheses, current) if _same(p, rival.proposal))
+        proposal = next((p for p in propose_all(workshop.hypotheses, current) if _same(p, rival.proposal)), None)
+        if proposal is None:
+            return None
         found = rival.search.misfit.values(rival.search.point)
-        equipped = workshop.equipped([proposal.model])
-        misfit = equipped.misfit(current, proposal.model)
+        misfit = workshop.equipped([proposal.model]).misfit(current, proposal.model)
         start = {name: found[name] for name in misfit.names if name in found}
         search = begin(workshop.identifier, misfit.with_values(start)).advance(STEPS)
     return search

@@ -43,6 +43,11 @@ class Search:
         except SimulationError:
             return float("inf")
 
+    @property
+    def normalised(self) -> float:
+        """Root mean square residual over noise; 1 is the noise floor."""
+        return float(np.sqrt(2.0 * self.state.cost / self.misfit.independent_samples))
+
     def advance(self, steps: int) -> "Search":
         """At most so many steps further."""
         search = self

@@ -18,12 +18,12 @@ def forces_along(model: Model, laws: Mapping[str, type[SpringLaw]], motion: xr.D
         motion: `position` and `velocity` (time, body, axis), m and m s-1, of all the bodies that joints hold.
 
     Returns:
-        Dataset with `deformation`, `deformation_rate`, `force` (time, joint), m, m s-1 and N, and `contact_force` (time, body, axis),
-        N, the net force of the joints on each body.
+        Dataset with `deformation`, `deformation_rate`, `force` (time, joint), m, m s-1 and N, and `contact_force`
+        (time, body, axis), N, the net force of the joints on each body.
     """
     names = [body.name for body in model.bodies]
     net = np.zeros((motion.sizes["time"], len(names)))
-    columns = {"deformation": [], "deformation_rate": [], "force": []}
+    columns: dict[str, list[np.ndarray]] = {"deformation": [], "deformation_rate": [], "force": []}
     for joint in model.joints:
         first, second = joint.bodies
         side = _side(model, joint)
@@ -34,7 +34,7 @@ def forces_along(model: Model, laws: Mapping[str, type[SpringLaw]], motion: xr.D
         net[:, names.index(first)] -= side * force
         net[:, names.index(second)] += side * force
     units = {"deformation": "m", "deformation_rate": "m s-1", "force": "N"}
-    variables = {
+    variables: dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, str]]] = {
         n: (("time", "joint"), np.array(c).reshape(len(model.joints), -1).T, {"units": units[n]}) for n, c in columns.items()
     }
     variables["contact_force"] = (("time", "body", "axis"), net[:, :, None], {"units": "N"})

@@ -21,7 +21,7 @@ def with_body(model: Model, body: Body) -> Model:
     return evolve(model, bodies=(*model.bodies, body))
 
 
-def with_factor(model: Model, joint: str, factor: str, parameters: Mapping[str, Parameter]) -> Model:
+def with_factor(model: Model, joint: str, factor: str, parameters: Mapping[str, Parameter | tuple[Parameter, ...]]) -> Model:
     """The model with a factor that multiplies the law of one joint."""
     return evolve(model, joints=tuple(_multiplied(j, factor, parameters) if j.name == joint else j for j in model.joints))
 
@@ -41,5 +41,5 @@ def fresh_name(wanted: str, taken: Iterable[str]) -> str:
     return next(name for name in candidates if name not in taken)
 
 
-def _multiplied(joint: Joint, factor: str, parameters: Mapping[str, Parameter]) -> Joint:
+def _multiplied(joint: Joint, factor: str, parameters: Mapping[str, Parameter | tuple[Parameter, ...]]) -> Joint:
     return evolve(joint, factors=(*joint.factors, factor), parameters={**joint.parameters, **parameters})

@@ -17,7 +17,8 @@ class Proposal:
     Attributes:
         physics: its name.
         form: the functional form, for example "power".
-        location: one of {"joint": ...}, {"body": ...}, {"bodies": [...]}, {"sensor": ..., "instrument": ...}, {"instrument": ...}.
+        location: one of {"joint": ...}, {"body": ...}, {"bodies": [...]}, {"sensor": ..., "instrument": ...},
+            {"instrument": ...}.
         model: the augmented model; its new parameters are free and stand at the first of `starts`.
         parameters: names (paths) of the new free parameters, the amplitude first.
         null: values of some of them at which the physics vanishes.

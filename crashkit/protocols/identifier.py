@@ -23,7 +23,8 @@ class Status(Enum):
 class Problem(Protocol):
     """What an identifier needs to know of a model and its recordings; `crashkit.misfit` makes it.
 
-    `scaled` values are the search variables: the logarithm of a parameter whose lower bound is above 0, else the parameter itself.
+    `scaled` values are the search variables: the logarithm of a parameter whose lower bound is above 0, else the parameter
+    itself.
     Residuals are divided by their standard deviation and by the correlation of the channel's noise.
     """
 

@@ -27,6 +27,7 @@ class Importer(ABC):
 
         Arguments:
             source: folder or file.
-            channels: each "CHANNEL[+CHANNEL...]=BODY[:SENSOR]"; the format says how channels joined by + become one; the body is the model's name.
+            channels: each "CHANNEL[+CHANNEL...]=BODY[:SENSOR]"; the format says how channels joined by + become one; the body
+                is the model's name.
             options: of the format, for example {"window": "0:0.12", "channel_frequency_class": "60"}.
         """

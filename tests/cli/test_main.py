@@ -1,7 +1,9 @@
 """The frame of the command line: what each command hands on, and how errors end."""
 
+import os
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -195,3 +197,22 @@ print([name for name in {HEAVY!r} if name in sys.modules])
 def test_the_module_runs_as_the_command():
     answer = subprocess.run([sys.executable, "-m", "crashkit", "--version"], capture_output=True, text=True, check=True)
     assert answer.stdout.startswith("crashkit ")
+
+
+def test_a_warning_is_a_line_on_stderr(api, monkeypatch, capsys):
+    def check_files(files):
+        warnings.warn("sensor 7: left out", stacklevel=2)
+        return "checked"
+
+    monkeypatch.setattr(crashkit.api, "check_files", check_files, raising=False)
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")
+        assert main(["check", "1.nc"]) == 0
+    assert capsys.readouterr() == ("checked\n", "crashkit: warning: sensor 7: left out\n")
+
+
+def test_a_command_leaves_threads_alone_where_the_user_has_set_them(api, monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", "3")
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+    main(["check", "1.nc"])
+    assert (os.environ["OMP_NUM_THREADS"], os.environ["OPENBLAS_NUM_THREADS"]) == ("3", "1")

@@ -3,11 +3,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import xarray as xr
-from crashkit_accelerometers import Accelerometer, LoadCell
 
 from crashkit.data.channel_filter import filter_channel
 from crashkit.errors import CrashkitError
 from crashkit.testing.observer_contract import ObserverContract
+from crashkit_accelerometers import Accelerometer, LoadCell
 
 DIMS = ("time", "sensor", "axis")
 

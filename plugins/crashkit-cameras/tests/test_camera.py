@@ -1,8 +1,8 @@
 import pytest
 import xarray as xr
-from crashkit_cameras import Camera
 
 from crashkit.errors import CrashkitError
+from crashkit_cameras import Camera
 
 
 def test_a_camera_group_is_described_but_not_yet_reconstructed() -> None:

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 import xarray as xr
-from crashkit_cameras import Film
 
 from crashkit.errors import CrashkitError
 from crashkit.testing.observer_contract import ObserverContract
+from crashkit_cameras import Film
 
 POINTS = {"bumper": -0.4, "sill": 0.3, "boot": 1.1}
 BODIES = ["engine", "car", "car"]

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from crashkit_formats.nhtsa import NhtsaImporter
 
 from crashkit.data import read_recording, write_recording
 from crashkit.errors import CrashkitError
+from crashkit_formats.nhtsa import NhtsaImporter
 
 TIME = np.arange(-500, 1500) * 1e-4
 EV5 = """# Source: NHTSA Vehicle Database - Test Number: 1

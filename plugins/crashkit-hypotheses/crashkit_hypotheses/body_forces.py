@@ -20,10 +20,10 @@ class AddedMass(Hypothesis):
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every moving body whose mass is not identified already, if something fixes the scale of forces."""
-        moving = [body for body in model.bodies if body.mass is not None and body.mass.fixed]
+        moving = [(body, body.mass.value) for body in model.bodies if body.mass is not None and body.mass.fixed]
         if len(moving) < 2 and not _forces_recorded(recordings):
             return []
-        return [self._heavier(model, body, body.mass.value) for body in moving]
+        return [self._heavier(model, body, mass) for body, mass in moving]
 
     def _heavier(self, model: Model, body: Body, mass: float) -> Proposal:
         free = Parameter(mass, 0.3 * mass, 3.0 * mass)

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 import xarray as xr
-
 from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter

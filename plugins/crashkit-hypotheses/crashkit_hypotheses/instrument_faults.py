@@ -108,6 +108,7 @@ def _of_recording(recording: xr.DataTree, error: str) -> Iterator[Accused]:
         if error in observer.instrument_errors:
             yield Accused(name, "", error, spec.null, 0.0)
             continue
-        for sensor in group[observer.channel].values:
-            readings = group[observer.quantity].sel({observer.channel: sensor}).values
+        instrument = group.to_dataset(inherit=False)
+        for sensor in instrument[observer.channel].values:
+            readings = instrument[observer.quantity].sel({observer.channel: sensor}).values
             yield Accused(name, str(sensor), error, spec.null, float(np.nanmax(np.abs(readings))))

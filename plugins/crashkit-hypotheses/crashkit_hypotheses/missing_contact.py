@@ -1,11 +1,10 @@
 """Two bodies touch that the model does not join."""
 
 from collections.abc import Sequence
+from itertools import combinations
 from typing import ClassVar
 
 import xarray as xr
-
-from itertools import combinations
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.model.edit import fresh_name, with_joint

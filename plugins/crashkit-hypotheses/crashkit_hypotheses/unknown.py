@@ -30,6 +30,9 @@ class Unknown(Hypothesis):
         return [self._table(model, joint, form, laws[form], reach[form], 2.0 * most) for form in laws]
 
     def _table(self, model: Model, joint: Joint, form: str, law: str, reach: float, most: float) -> Proposal:
-        table = {"heights": tuple(Parameter(0.0, -most, most) for _ in range(KNOTS)), "reach": Parameter(reach, fixed=True)}
+        table: dict[str, Parameter | tuple[Parameter, ...]] = {
+            "heights": tuple(Parameter(0.0, -most, most) for _ in range(KNOTS)),
+            "reach": Parameter(reach, fixed=True),
+        }
         build = added if form == "deformation" else parallel
         return build(model, joint, self.physics, form, law, table, "heights")

@@ -3,11 +3,11 @@ from math import factorial
 import numpy as np
 import pytest
 import xarray as xr
-from crashkit_smoothers import GcvQuintic
 from numpy.polynomial import Polynomial
 
 from crashkit.errors import CrashkitError
 from crashkit.testing.smoother_contract import SmootherContract, channel, noisy, stop, uneven_times
+from crashkit_smoothers import GcvQuintic
 
 
 class TestGcvQuinticContract(SmootherContract):

@@ -2,12 +2,16 @@
 
 from crashkit.protocols import ParameterSpec, SpringLaw
 
+NEVER = 1e12
+"""N; a tie holds this for certain."""
+
 
 class Tie(SpringLaw):
-    """A tie with slack that pushes and pulls: F = k (d - s) + c ddot for d > s, k (d + s) + c ddot for d < -s, 0 between.
+    """A tie with slack that pushes and pulls: F = k (|d| - s) sign(d) + c ddot beyond the slack s, 0 within it.
 
-    The dashpot sets in over the first millimetre beyond the slack, so that the force is continuous; a dashpot that
-    would pull on a tie in compression, or push on one in tension, is let go.
+    A tie in compression may yield, as a belt does: then its spring force is at most `yield_force`, and it falls along
+    `unloading_stiffness` from the largest compression on. The dashpot sets in over the first millimetre beyond the slack, so
+    that the force is continuous; one that would pull on a tie in compression, or push on one in tension, is let go.
     """
 
     name = "tie"
@@ -15,13 +19,33 @@ class Tie(SpringLaw):
         ParameterSpec("stiffness", "N m-1", "slope beyond the slack (k)", lower=1.0),
         ParameterSpec("damping", "N s m-1", "force for a unit of rate beyond the slack (c)", lower=0.0, default=0.0),
         ParameterSpec("slack", "m", "free play either way (s)", lower=0.0, default=0.0),
+        ParameterSpec("yield_force", "N", "the most that the spring bears in compression", lower=1.0, default=NEVER, null=NEVER),
+        ParameterSpec(
+            "unloading_stiffness",
+            "N m-1",
+            "slope of unloading from compression; omitted (0): unloads along the loading curve",
+            lower=1.0,
+            default=0.0,
+            null=0.0,
+        ),
     )
 
     @staticmethod
-    def force(d: float, ddot: float, d_max: float, stiffness: float, damping: float, slack: float) -> float:
+    def force(
+        d: float,
+        ddot: float,
+        d_max: float,
+        stiffness: float,
+        damping: float,
+        slack: float,
+        yield_force: float,
+        unloading_stiffness: float,
+    ) -> float:
         """The force, N, compression positive."""
         if d >= 0.0:
-            beyond = max(0.0, d - slack)
-            return max(0.0, stiffness * beyond + damping * ddot * min(1.0, beyond / 1e-3))
+            turn = d_max if unloading_stiffness > 0.0 else d
+            spring = min(yield_force, stiffness * max(0.0, turn - slack)) - unloading_stiffness * (turn - d)
+            engaged = min(1.0, max(0.0, d - slack) / 1e-3)
+            return max(0.0, max(0.0, spring) + damping * ddot * engaged)
         beyond = max(0.0, -d - slack)
         return min(0.0, damping * ddot * min(1.0, beyond / 1e-3) - stiffness * beyond)

@@ -1,0 +1,96 @@
+"""Every hypothesis keeps the contract."""
+
+import pytest
+
+from crashkit.testing import HypothesisContract
+from crashkit_hypotheses import body_forces, instrument_faults, parallel_forces
+from crashkit_hypotheses.bottoming import Bottoming
+from crashkit_hypotheses.carried_load import CarriedLoad
+from crashkit_hypotheses.clearance import Clearance
+from crashkit_hypotheses.hooks import crashkit_hypotheses
+from crashkit_hypotheses.missing_contact import MissingContact
+from crashkit_hypotheses.plastic_unloading import PlasticUnloading
+from crashkit_hypotheses.rate_dependence import RateDependence
+from crashkit_hypotheses.unknown import Unknown
+
+
+class Contract(HypothesisContract):
+    """The contract for the class that `kind` names."""
+
+    kind = None
+
+    @pytest.fixture
+    def hypothesis(self):
+        return self.kind()
+
+
+class TestAddedMass(Contract):
+    kind = body_forces.AddedMass
+
+
+class TestGroundFriction(Contract):
+    kind = body_forces.GroundFriction
+
+
+class TestBias(Contract):
+    kind = instrument_faults.Bias
+
+
+class TestClockOffset(Contract):
+    kind = instrument_faults.ClockOffset
+
+
+class TestGainError(Contract):
+    kind = instrument_faults.GainError
+
+
+class TestBottoming(Contract):
+    kind = Bottoming
+
+
+class TestCarriedLoad(Contract):
+    kind = CarriedLoad
+
+
+class TestClearance(Contract):
+    kind = Clearance
+
+
+class TestJointFriction(Contract):
+    kind = parallel_forces.JointFriction
+
+
+class TestMissingContact(Contract):
+    kind = MissingContact
+
+
+class TestPeakLoad(Contract):
+    kind = parallel_forces.PeakLoad
+
+
+class TestPlasticUnloading(Contract):
+    kind = PlasticUnloading
+
+
+class TestProgressiveFolding(Contract):
+    kind = parallel_forces.ProgressiveFolding
+
+
+class TestRateDependence(Contract):
+    kind = RateDependence
+
+
+class TestTension(Contract):
+    kind = parallel_forces.Tension
+
+
+class TestUnknown(Contract):
+    kind = Unknown
+
+
+class TestViscousDamping(Contract):
+    kind = parallel_forces.ViscousDamping
+
+
+def test_every_hypothesis_is_under_contract():
+    assert {kind.kind for kind in Contract.__subclasses__()} == set(crashkit_hypotheses())

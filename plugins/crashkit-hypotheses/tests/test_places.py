@@ -1,0 +1,177 @@
+"""Where the hypotheses see a place for their physics, and where they do not."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from attrs import evolve
+
+from crashkit.mechanics import Simulator
+from crashkit.model import Joint, Parameter
+from crashkit.model.edit import with_instrument_error, with_joint
+from crashkit.registry import load
+from crashkit.testing import toys
+
+FIXED = Parameter(0.0, fixed=True)
+
+
+@pytest.fixture(scope="module")
+def model():
+    toy = toys.two_degrees()
+    return toy.with_parameters({"body.rear.mass": evolve(toy.parameters()["body.rear.mass"], fixed=True)})
+
+
+@pytest.fixture(scope="module")
+def runs(model, engine):
+    simulator = Simulator(model, load().spring_laws, engine)
+    return [simulator.run(np.linspace(0.0, 1.0, 501), initial=toys.initial_state(model, speed)) for speed in (1.0, 2.0)]
+
+
+@pytest.fixture
+def propose(model, runs):
+    """The proposals of a physics for the toy, or for one like it."""
+
+    def ask(physics, other=None, motion=None, recordings=None):
+        motion = runs if motion is None else motion
+        recordings = [toys.recording(run) for run in runs] if recordings is None else recordings
+        return load().hypotheses[physics]().propose(other or model, motion, recordings)
+
+    return ask
+
+
+def places(proposals):
+    return {tuple(sorted((key, str(value)) for key, value in p.location.items())) for p in proposals}
+
+
+BOTH_JOINTS = {(("joint", "first"),), (("joint", "second"),)}
+MOVING = {(("body", "front"),), (("body", "rear"),)}
+PLACES = {
+    "added_mass": MOVING,
+    "ground_friction": MOVING,
+    "carried_load": MOVING,
+    "bottoming": BOTH_JOINTS,
+    "clearance": BOTH_JOINTS,
+    "joint_friction": BOTH_JOINTS,
+    "peak_load": BOTH_JOINTS,
+    "plastic_unloading": BOTH_JOINTS,
+    "progressive_folding": BOTH_JOINTS,
+    "rate_dependence": BOTH_JOINTS,
+    "unknown": BOTH_JOINTS,
+    "viscous_damping": BOTH_JOINTS,
+    "missing_contact": {(("bodies", "['wall', 'rear']"),)},
+    "clock_offset": {(("instrument", "film"),), (("instrument", "accelerometer"),)},
+    "gain_error": {
+        (("instrument", instrument), ("sensor", f"{body}_{channel}"))
+        for instrument, channel in (("film", "marker"), ("accelerometer", "sensor"))
+        for body in ("front", "rear")
+    },
+}
+PLACES["bias"] = PLACES["gain_error"]
+
+
+@pytest.mark.parametrize("physics", PLACES)
+def test_every_place_is_proposed(propose, physics):
+    assert places(propose(physics)) == PLACES[physics]
+
+
+def test_a_mass_without_any_force_is_only_a_scale(propose):
+    """One moving body, no load cell: twice the mass and twice the forces move alike."""
+    alone = toys.one_degree()
+    assert propose("added_mass", alone, [], []) == []
+    dataset = {"force": (("time", "sensor", "axis"), np.zeros((3, 1, 1)))}
+    wall = xr.DataTree.from_dict({"cell": xr.Dataset(dataset)})
+    assert places(propose("added_mass", alone, [], [wall])) == {(("body", "front"),)}
+
+
+def test_a_mass_that_is_identified_already_is_not_doubted(propose):
+    """And then the other mass is the scale of all forces."""
+    assert propose("added_mass", toys.two_degrees()) == []
+
+
+def test_a_joint_that_is_never_compressed_hides_nothing(propose, runs):
+    still = [run.assign(deformation=run["deformation"] * [1.0, 0.0]) for run in runs]
+    for physics in ("bottoming", "peak_load", "viscous_damping", "joint_friction", "unknown", "plastic_unloading"):
+        assert places(propose(physics, motion=still)) == {(("joint", "first"),)}, physics
+
+
+def test_a_joint_pulls_only_if_it_was_stretched(propose, runs):
+    pressed = [run.assign(deformation=np.maximum(run["deformation"], 0.0)) for run in runs]
+    assert places(propose("tension")) == BOTH_JOINTS
+    assert propose("tension", motion=pressed) == []
+
+
+def test_bodies_that_are_joined_or_never_come_closer_do_not_touch_anew(propose, model, runs):
+    joined = with_joint(model, Joint("third", ("rear", "wall"), "linear_stop", {"stiffness": FIXED, "stop_deformation": FIXED}))
+    assert propose("missing_contact", joined) == []
+    apart = [run.isel(time=[0, 0]) for run in runs]
+    assert propose("missing_contact", motion=apart) == []
+
+
+@pytest.mark.parametrize("physics", ["clearance", "plastic_unloading"])
+def test_what_the_model_has_already_is_not_proposed(propose, model, physics):
+    name = {"clearance": "clearance", "plastic_unloading": "unloading_stiffness"}[physics]
+    has = model.with_parameters({f"joint.first.{name}": Parameter(0.05, 0.0, 1e9)})
+    assert places(propose(physics, has)) == {(("joint", "second"),)}
+
+
+def test_a_joint_with_a_rate_factor_takes_no_other(propose, model):
+    has = evolve(model, joints=(evolve(model.joints[0], factors=("rate_linear",)), model.joints[1]))
+    assert places(propose("rate_dependence", has)) == {(("joint", "second"),)}
+
+
+def test_an_error_that_is_identified_already_is_not_accused(propose, model):
+    known = with_instrument_error(model, "film", "front_marker", "gain", Parameter(1.0))
+    assert (("instrument", "film"), ("sensor", "front_marker")) not in places(propose("gain_error", known))
+    assert len(propose("gain_error", known)) == 3
+
+
+def test_a_bias_may_be_as_large_as_the_largest_reading_of_any_run(propose, runs):
+    recordings = [toys.recording(run) for run in runs]
+    largest = max(float(np.abs(r["accelerometer"]["acceleration"].sel(sensor="front_sensor")).max()) for r in recordings)
+    bias = next(p for p in propose("bias") if p.location.get("sensor") == "front_sensor")
+    parameter = bias.model.parameters()["instrument.accelerometer.front_sensor.bias"]
+    assert (parameter.lower, parameter.upper) == pytest.approx((-largest, largest))
+
+
+def test_an_instrument_that_nobody_understands_is_not_accused(propose, runs):
+    strange = toys.recording(runs[0])
+    strange["film"].attrs["observer"] = "radar"
+    assert {p.location["instrument"] for p in propose("gain_error", recordings=[strange])} == {"accelerometer"}
+
+
+def test_what_is_added_to_a_loading_curve_becomes_part_of_the_joints_law(propose):
+    peak = next(p for p in propose("peak_load") if p.location == {"joint": "first"})
+    joint = peak.model.joint("first")
+    assert joint.law == "crush_plateau + peak"
+    assert len(peak.model.joints) == 2
+    assert peak.parameters == ("joint.first.peak_force", "joint.first.peak_deformation")
+
+
+def test_a_joint_that_has_something_added_already_gets_a_neighbour(propose, model):
+    first = propose("peak_load")[0].model
+    second = next(p for p in propose("bottoming", first) if p.location == {"joint": "first"} and p.form == "line")
+    assert second.model.joint("first").law == "crush_plateau + peak"
+    beside = second.model.joint("first_bottoming")
+    assert (beside.bodies, beside.law) == (("wall", "front"), "linear_stop")
+
+
+def test_ground_is_no_part_of_the_wall(propose, model):
+    """A wall load cell does not feel the friction of the tyres."""
+    friction = propose("ground_friction")[0].model
+    ground = next(body for body in friction.bodies if body.name not in {b.name for b in model.bodies})
+    assert ground.fixed and ground.name in friction.joints[-1].bodies
+    assert "wall" not in friction.joints[-1].bodies
+
+
+def test_a_load_takes_no_load(propose):
+    loaded = propose("carried_load")[0].model
+    assert places(propose("carried_load", loaded)) == MOVING
+    load_body = next(body for body in loaded.bodies if body.carrier)
+    assert (load_body.carrier, load_body.position, load_body.velocity) == ("front", (-5.0,), (10.0,))
+
+
+def test_names_stay_unique_when_the_same_is_found_twice(propose, engine):
+    once = propose("viscous_damping")[0].model
+    motion = Simulator(once, load().spring_laws, engine).run(np.linspace(0.0, 0.5, 101))
+    twice = propose("viscous_damping", once, [motion])[0].model
+    names = [joint.name for joint in twice.joints]
+    assert len(set(names)) == len(names) == 4

@@ -1,0 +1,64 @@
+"""A mass that runs into a wall at two speeds, seen by film and an accelerometer, and one engine for all tests of diagnosis."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from attrs import evolve
+
+from crashkit.api import workshop as installed
+from crashkit.diagnose import Workshop
+from crashkit.mechanics import Simulator
+from crashkit.misfit import Misfit
+from crashkit.model import Model
+from crashkit.testing import toys
+
+FILM_STD, ACCELEROMETER_STD = 1e-3, 1.0
+"""m and m s-2, as the toys state them."""
+
+
+@pytest.fixture(scope="session")
+def workshop() -> Workshop:
+    return installed().rehearsed(toys.two_degrees(), [])
+
+
+@pytest.fixture(scope="session")
+def model() -> Model:
+    """That springs back as it was crushed would leave sliding through: here it keeps most of its energy."""
+    toy = toys.one_degree()
+    slope = evolve(toy.parameters()["joint.first.unloading_stiffness"], value=1e6)
+    return toy.with_parameters({"joint.first.unloading_stiffness": slope})
+
+
+@pytest.fixture(scope="session")
+def simulated(workshop):
+    def run(model, speed=1.0, times=None) -> xr.Dataset:
+        times = np.arange(1201) * 2.5e-4 if times is None else times
+        return Simulator(model, workshop.laws, workshop.engine).run(times, initial=toys.initial_state(model, speed))
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def recorded(simulated):
+    """What instruments record of a model: the stated noise, film at 1 kHz, and whatever else is done to the readings."""
+
+    def record(model, speed=1.0, seed=0, noise=1.0, **changes) -> xr.DataTree:
+        clean, random = toys.recording(simulated(model, speed)), np.random.default_rng(seed)
+        film = clean["film"].to_dataset(inherit=False).isel(time=slice(None, None, 4))
+        felt = clean["accelerometer"].to_dataset(inherit=False)
+        film["position"] = film["position"] + noise * random.normal(0.0, FILM_STD, film["position"].shape)
+        felt["acceleration"] = felt["acceleration"] + noise * random.normal(0.0, ACCELEROMETER_STD, felt["acceleration"].shape)
+        parts = {"film": film, "accelerometer": felt}
+        for name, change in changes.items():
+            parts[name] = change(parts[name])
+        return clean.assign({name: xr.DataTree(part) for name, part in parts.items()})
+
+    return record
+
+
+@pytest.fixture(scope="session")
+def misfit(workshop):
+    def make(model, **recordings) -> Misfit:
+        return workshop.first_misfit(model, recordings)
+
+    return make

@@ -1,0 +1,128 @@
+"""A diagnosis from end to end, on a mass and a wall: what is concealed is found, and nothing else."""
+
+import json
+
+import numpy as np
+import pytest
+from attrs import evolve
+
+from crashkit.diagnose import diagnose
+from crashkit.diagnose.result import place_of, run_name
+from crashkit.report.document import diagnosis_json
+
+RIVALS = ("bias", "clearance", "clock_offset", "gain_error", "viscous_damping")
+OFFSET = 6.0
+"""m s-2."""
+
+
+@pytest.fixture(scope="module")
+def diagnosed(workshop, model, recorded):
+    """The diagnosis of a model 8 % off, from runs at two speeds and a faster one that is held out."""
+    few = evolve(workshop, hypotheses={name: workshop.hypotheses[name] for name in RIVALS})
+    believed = model.with_values({path: 1.08 * p.value for path, p in model.free_parameters().items()})
+
+    def run(**changes):
+        runs = {name: recorded(model, speed, seed, **changes) for seed, (name, speed) in enumerate(SPEEDS.items(), 1)}
+        return diagnose(believed, {name: runs[name] for name in ("slow.nc", "fast.nc")}, {"faster.nc": runs["faster.nc"]}, few)
+
+    return run
+
+
+SPEEDS = {"slow.nc": 0.9, "fast.nc": 1.2, "faster.nc": 1.35}
+
+
+@pytest.fixture(scope="module")
+def nothing(diagnosed):
+    return diagnosed()
+
+
+@pytest.fixture(scope="module")
+def bias(diagnosed):
+    return diagnosed(accelerometer=lambda dataset: dataset.assign(acceleration=dataset["acceleration"] + OFFSET))
+
+
+def test_where_nothing_is_concealed_nothing_is_found(nothing):
+    assert nothing.verdict == "consistent"
+    assert nothing.findings == ()
+    assert nothing.summary.startswith("Simulation and recordings agree")
+
+
+def test_the_models_own_parameters_are_re_identified(nothing, model):
+    for path, true in model.free_parameters().items():
+        assert nothing.base_model.parameters()[path].value == pytest.approx(true.value, rel=0.01), path
+    assert nothing.fits["calibration"]["before"].normalised_rmse == pytest.approx(1.0, abs=0.05)
+    assert nothing.augmented_model == nothing.base_model
+
+
+def test_an_offset_is_found_where_it_is(bias):
+    assert bias.verdict == "sensor_fault"
+    (finding,) = bias.findings
+    assert (finding.physics, dict(finding.location)) == ("bias", {"sensor": "front_sensor", "instrument": "accelerometer"})
+    assert finding.probability > 0.95
+    assert set(finding.runs) == {"slow.nc", "fast.nc"}
+    estimate = finding.parameters["bias"]
+    assert estimate.units == "m s-2"
+    assert abs(estimate.value - OFFSET) < 5.0 * estimate.std < 1.0
+
+
+def test_an_offset_explains_the_misfit_of_runs_that_were_not_fitted(bias):
+    for runs in ("calibration", "holdout"):
+        before, after = (bias.fits[runs][when].normalised_rmse for when in ("before", "after"))
+        assert before > 1.5, runs
+        assert after == pytest.approx(1.0, abs=0.1), runs
+    assert [name for name in bias.fits["holdout"]["after"].channels["channel"].values] == [
+        "faster.nc/film/front_marker",
+        "faster.nc/accelerometer/front_sensor",
+    ]
+
+
+def test_instruments_contradict_each_other_without_any_model(bias):
+    worst = bias.consistency.isel(check=int(np.argmax(bias.consistency["sigma"].values)))
+    assert str(worst["error"].values) == "bias"
+    assert "inconsistent" in str(worst["sentence"].values)
+
+
+def test_curves_hold_what_was_recorded_and_both_models(bias):
+    curve = bias.curves["faster.nc/accelerometer"]
+    assert curve.attrs["holdout"] == 1 and bias.curves["slow.nc/film"].attrs["holdout"] == 0
+    left = (curve["recorded"] - curve["after"]) / curve["std"]
+    assert float(np.sqrt((left**2).mean())) == pytest.approx(1.0, abs=0.1)
+
+
+def test_the_ranking_begins_with_the_finding(bias):
+    first = bias.ranking.isel(hypothesis=0)
+    assert (str(first["physics"].values), int(first["round"])) == ("bias", 1)
+    assert float(first["misfit_drop"]) == float(bias.ranking["misfit_drop"].sel(hypothesis=bias.ranking["round"] == 1).max())
+
+
+def test_the_summary_tells_the_finding_in_words(bias):
+    assert "an instrument is wrong, not the structure" in bias.summary
+    assert "sensor front_sensor has an offset; bias" in bias.summary
+    assert "held-out runs: " in bias.summary
+
+
+def test_the_document_for_programs_is_complete(bias):
+    document = json.loads(json.dumps(diagnosis_json(bias), allow_nan=False))
+    assert document["schema"] == "crashkit-diagnosis/1"
+    assert document["verdict"] == "sensor_fault"
+    assert document["findings"][0]["physics"] == "bias"
+    assert document["findings"][0]["parameters"]["bias"]["units"] == "m s-2"
+    assert document["fit"]["holdout"]["after"]["normalised_rmse"] < document["fit"]["holdout"]["before"]["normalised_rmse"]
+
+
+PLACES = [
+    ({"joint": "front"}, "joint front"),
+    ({"bodies": ["engine", "wall"]}, "bodies engine and wall"),
+    ({"sensor": "roof", "instrument": "film"}, "sensor roof"),
+    ({"instrument": "film"}, "instrument film"),
+    ({"body": "car"}, "body car"),
+]
+
+
+@pytest.mark.parametrize(("location", "words"), PLACES)
+def test_places_in_words(location, words):
+    assert place_of(location) == words
+
+
+def test_a_run_is_called_like_its_file():
+    assert run_name("tests/of/june/run_1.nc") == "run_1.nc"

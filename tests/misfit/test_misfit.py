@@ -1,0 +1,226 @@
+"""Residuals in measurement space: what they are, and what follows from them."""
+
+import numpy as np
+import pytest
+
+from crashkit.errors import CrashkitError
+from crashkit.misfit.predictor import instrument_errors
+from crashkit.model import Body, Joint, Parameter
+from crashkit.model.edit import with_body, with_joint
+from crashkit.testing import toys
+
+FILM_STD, ACCELEROMETER_STD = 1e-3, 1.0
+"""As the toys state them."""
+
+
+def shifted(variable, by):
+    return lambda dataset: dataset.assign({variable: dataset[variable] + by})
+
+
+def as_filtered(dataset):
+    dataset.attrs["channel_frequency_class"] = 180
+    return dataset
+
+
+def test_a_model_leaves_nothing_of_its_own_recording(misfit, model, recorded):
+    own = misfit(model, run=recorded(model))
+    assert np.abs(own.residual(own.start())).max() < 1e-6
+
+
+def test_a_residual_is_recorded_minus_predicted_over_std(misfit, model, recorded, changed):
+    run = changed(recorded(model), "film", shifted("position", 3e-3))
+    run = changed(run, "accelerometer", shifted("acceleration", -2.0))
+    one = misfit(model, run=run)
+    residual = one.residual(one.start())
+    film, accelerometer = np.split(residual, 2)
+    assert film == pytest.approx(3e-3 / FILM_STD, abs=1e-6)
+    assert accelerometer == pytest.approx(-2.0 / ACCELEROMETER_STD, abs=1e-6)
+
+
+def test_a_filtered_channel_is_predicted_filtered_and_weighs_less(misfit, model, recorded, changed, registry, simulated):
+    run = changed(recorded(model, interval=1e-4), "accelerometer", as_filtered)
+    instrument = run["accelerometer"].to_dataset(inherit=False)
+    motion = simulated(model, instrument["time"].values)
+    read = registry.observers["accelerometer"]().predict(motion, instrument)["acceleration"]
+    run = changed(run, "accelerometer", lambda dataset: dataset.assign(acceleration=read + 4.0))
+    one = misfit(model, run=run)
+    channel = one.channels[1]
+    residual = one.residual(one.start())[-instrument.sizes["time"] :]
+    assert channel.noise.correlation == pytest.approx(16.0, rel=0.01)
+    assert residual == pytest.approx(4.0 / np.sqrt(channel.noise.correlation), abs=1e-6)
+    assert channel.independent_samples == pytest.approx(channel.samples / channel.noise.correlation)
+
+
+@pytest.mark.parametrize("filters", [(), (as_filtered,)], ids=["as sampled", "filtered"])
+def test_the_jacobian_is_that_of_central_differences(misfit, model, recorded, changed, with_errors, filters):
+    run = recorded(model, interval=2e-4)
+    for change in filters:
+        run = changed(run, "accelerometer", change)
+    watched = with_errors(model, "film", "front_marker", gain=1.01, bias=2e-3)
+    watched = with_errors(watched, "accelerometer", "front_sensor", gain=0.97, bias=3.0)
+    one = misfit(watched, run=run)
+    assert_jacobian(one, 1e-6, 2e-5)
+
+
+@pytest.mark.parametrize("instrument", ["film", "accelerometer"])
+def test_the_jacobian_to_a_clock_is_that_of_central_differences(misfit, model, recorded, changed, with_errors, instrument):
+    """Over steps of one sample: between samples the motion is interpolated, and its rate is that of a whole sample."""
+    interval = 2e-4
+    run = changed(recorded(model, interval=interval), "accelerometer", as_filtered)
+    one = misfit(with_errors(model, instrument, "", clock_offset=2.0 * interval), run=run)
+    assert_jacobian(one.with_values({}, {name: False for name in one.names[:-1]}), interval / 2, 0.02)
+
+
+def assert_jacobian(problem, step, accuracy):
+    point = problem.start()
+    _, jacobian = problem.residual_and_jacobian(point)
+    for column, name in enumerate(problem.names):
+        move = np.zeros(len(point))
+        move[column] = step * max(1.0, abs(point[column])) if step < 1e-5 else step
+        difference = (problem.residual(point + move) - problem.residual(point - move)) / (2.0 * move[column])
+        error = np.linalg.norm(jacobian[:, column] - difference) / np.linalg.norm(difference)
+        assert error < accuracy, f"{name}: {error:g}"
+
+
+def test_hidden_frames_are_left_out(misfit, model, recorded, changed):
+    def hide(dataset):
+        dataset["position"][10:40] = np.nan
+        return dataset
+
+    whole, gappy = (misfit(model, run=run) for run in (recorded(model), changed(recorded(model), "film", hide)))
+    residual, jacobian = gappy.residual_and_jacobian(gappy.start())
+    assert len(residual) == len(jacobian) == len(whole.residual(whole.start())) - 30
+    assert np.isfinite(residual).all() and np.isfinite(jacobian).all()
+    assert gappy.channels[0].samples == whole.channels[0].samples - 30
+
+
+def test_search_variables_are_logarithms_of_what_must_be_positive(misfit, model, recorded, with_errors):
+    one = misfit(with_errors(model, "film", "front_marker", bias=-2e-3), run=recorded(model))
+    point = one.start()
+    assert point[:-1] == pytest.approx(np.log([p.value for p in list(model.free_parameters().values())]))
+    assert point[-1] == -2e-3
+    assert one.parameters(one.scaled(np.abs(one.parameters(point)))) == pytest.approx(np.abs(one.parameters(point)))
+    assert list(one.values(point)) == list(one.names)
+
+
+def test_a_trusted_deviance_is_chi_squared(misfit, model, recorded, changed):
+    one = misfit(model, run=changed(recorded(model), "film", shifted("position", 2e-3)))
+    residual = one.residual(one.start())
+    assert one.deviance(residual) == pytest.approx(float(residual @ residual))
+    assert one.deviance(residual) == pytest.approx(4.0 * one.channels[0].samples, rel=1e-6)
+
+
+def without_std(dataset):
+    return as_filtered(dataset.drop_vars("acceleration_std"))
+
+
+def open_level(misfit, model, recorded, changed, by=50.0):
+    """Filtered, with a level that nobody stated; the model is off by a constant."""
+    run = changed(recorded(model, interval=1e-4), "accelerometer", without_std)
+    noise = np.random.default_rng(3).normal(0.0, 20.0, run["accelerometer"]["acceleration"].shape)
+    return misfit(model, run=changed(run, "accelerometer", shifted("acceleration", noise + by)))
+
+
+def test_a_level_that_is_only_estimated_counts_by_the_size_of_what_is_left(misfit, model, recorded, changed):
+    one = open_level(misfit, model, recorded, changed)
+    film, accelerometer = one.channel_sums(one.residual(one.start()))
+    count = one.channels[1].independent_samples
+    assert not one.channels[1].noise.trusted
+    assert one.deviance(one.residual(one.start())) == pytest.approx(film + count * np.log(accelerometer / count))
+
+
+def test_reweighted_levels_are_what_the_model_leaves(misfit, model, recorded, changed):
+    one = open_level(misfit, model, recorded, changed)
+    again = one.reweighted(one.start())
+    sums = again.channel_sums(again.residual(again.start()))
+    assert sums[1] == pytest.approx(again.channels[1].independent_samples)
+    assert again.channels[0].noise == one.channels[0].noise
+
+
+def test_levels_can_be_set_by_channel(misfit, model, recorded, changed):
+    one = misfit(model, run=changed(recorded(model), "film", shifted("position", 2e-3)))
+    wider = one.with_levels({("film", "front_marker", "x"): 2e-3})
+    assert wider.residual(one.start())[0] == pytest.approx(1.0, abs=1e-6)
+    assert wider.channels[1] == one.channels[1]
+
+
+def test_some_of_the_runs_leave_their_part_of_the_residual(misfit, model, recorded):
+    off = model.with_values({"joint.first.crush_force": 2.5e4})
+    both = misfit(off, slow=recorded(model, 0.8), fast=recorded(model, 1.2))
+    fast = both.with_recordings(("fast",))
+    residual = both.residual(both.start())
+    assert {channel.run for channel in fast.channels} == {"fast"}
+    assert fast.residual(fast.start()) == pytest.approx(residual[len(residual) // 2 :])
+
+
+def test_a_faster_test_is_the_simulation_at_that_speed(misfit, model, recorded):
+    one = misfit(model, run=recorded(model, 1.0))
+    faster, recorded_so = one.at_speed(1.2), misfit(model, run=recorded(model, 1.2))
+    ours, theirs = (m.predictor.predict(m.values(m.start())) for m in (faster, recorded_so))
+    for mine, other in zip(ours, theirs, strict=True):
+        assert mine.samples == pytest.approx(other.samples, abs=1e-6)
+
+
+def test_values_and_freedom_can_be_changed_without_reading_the_recordings_again(misfit, model, recorded):
+    one = misfit(model, run=recorded(model))
+    held = one.with_values({"joint.first.crush_force": 2e4}, {"joint.first.crush_force": False})
+    assert held.names == tuple(name for name in one.names if name != "joint.first.crush_force")
+    assert held.model.parameters()["joint.first.crush_force"].value == 2e4
+    assert np.abs(held.residual(held.start())).max() > 1.0
+
+
+def test_a_load_that_no_recording_knows_starts_with_its_carrier(misfit, model, recorded):
+    load = Body("load", (0.0,), (0.0,), Parameter(50.0, fixed=True), carrier="front")
+    values = {"stiffness": Parameter(1e4, fixed=True), "damping": Parameter(0.0, fixed=True), "slack": Parameter(0.0, fixed=True)}
+    loaded = with_joint(with_body(model, load), Joint("hold", ("load", "front"), "tie", values))
+    motion = misfit(loaded, run=recorded(model, 0.7)).predictor.motion("run", {})
+    start = motion.isel(time=0)
+    assert float(start["position"].sel(body="load", axis="x")) == -toys.LENGTH
+    assert float(start["velocity"].sel(body="load", axis="x")) == pytest.approx(0.7 * toys.SPEED)
+
+
+def test_a_sensor_on_a_body_that_the_model_lacks_is_named(misfit, model, recorded, changed):
+    run = changed(recorded(model), "accelerometer", lambda dataset: dataset.assign(sensor_body=("sensor", ["engine"])))
+    with pytest.raises(
+        CrashkitError, match=r"^run: accelerometer/sensor_body: expected a body of the model \(front, wall\), found engine$"
+    ):
+        misfit(model, run=run)
+
+
+def test_an_observer_that_is_not_installed_is_named(misfit, model, recorded, changed, registry):
+    run = changed(recorded(model), "film", lambda dataset: dataset.assign_attrs(observer="radar"))
+    known = ", ".join(sorted(registry.observers))
+    with pytest.raises(CrashkitError, match=rf"^run: film: expected an installed observer \({known}\), found radar$"):
+        misfit(model, run=run)
+
+
+def test_instrument_errors_are_told_by_instrument_and_sensor(model, with_errors):
+    watched = with_errors(model, "film", "front_marker", bias=1e-3)
+    watched = with_errors(watched, "film", "", clock_offset=2e-3)
+    path = "instrument.film.front_marker.bias"
+    assert instrument_errors(watched, {path: 5e-3}) == {"film": {"front_marker": {"bias": 5e-3}, "": {"clock_offset": 2e-3}}}
+
+
+def test_the_errors_of_a_sensor_touch_no_other(misfit, simulated, with_errors):
+    twin = toys.two_degrees()
+    recording = toys.recording(simulated(twin, np.linspace(0.0, 0.3, 301)))
+    one = misfit(with_errors(twin, "accelerometer", "rear_sensor", gain=1.1), run=recording)
+    sums = one.channel_sums(one.residual(one.start()))
+    names = [f"{c.instrument}/{c.sensor}" for c in one.channels]
+    assert [name for name, total in zip(names, sums, strict=True) if total > 1.0] == ["accelerometer/rear_sensor"]
+
+
+def test_a_late_clock_of_the_film_reads_the_motion_of_earlier(misfit, model, recorded, with_errors):
+    late = misfit(with_errors(model, "film", "", clock_offset=2e-3), run=recorded(model)).predictor
+    samples = late.predict({name: p.value for name, p in late.model.free_parameters().items()})[0].samples[:, 0]
+    true = recorded(model)["film"]["position"].values[:, 0, 0]
+    assert samples[2:] == pytest.approx(true[:-2], abs=1e-7)
+
+
+def test_an_uninformative_model_parameter_has_no_derivative(misfit, model, recorded):
+    free = model.with_parameters({"joint.first.clearance": Parameter(0.0, 0.0, 1.0)})
+    early = misfit(free, run=recorded(model, end=0.01))
+    _, jacobian = early.residual_and_jacobian(early.start())
+    unseen = early.names.index("joint.first.densification_stiffness")
+    assert np.all(jacobian[:, unseen] == 0.0)
+    assert np.abs(jacobian[:, early.names.index("joint.first.clearance")]).max() > 0.0

@@ -1,0 +1,79 @@
+"""Thinner recordings say as much."""
+
+import numpy as np
+import pytest
+
+from crashkit.misfit.thin import SEARCH_INTERVAL, thinned
+
+
+@pytest.fixture
+def quantities(registry):
+    return {name: observer.quantity for name, observer in registry.observers.items()}
+
+
+@pytest.fixture
+def run(recorded, model, changed):
+    """Film at 1 kHz beside an accelerometer at 10 kHz."""
+    recording = recorded(model, interval=1e-4)
+    return changed(recording, "film", lambda dataset: dataset.isel(time=slice(None, None, 10)))
+
+
+def noisy(dataset):
+    noise = np.random.default_rng(5).normal(0.0, 1.0, dataset["acceleration"].shape)
+    return dataset.assign(acceleration=dataset["acceleration"] + noise)
+
+
+def test_a_white_channel_is_averaged_about_the_samples_that_stay(run, quantities):
+    before = run["accelerometer"].to_dataset(inherit=False)
+    after = thinned(run, quantities)["accelerometer"].to_dataset(inherit=False)
+    assert np.diff(after["time"].values) == pytest.approx(SEARCH_INTERVAL)
+    kept = np.searchsorted(before["time"].values, after["time"].values - 1e-9)
+    means = [before["acceleration"].values[k - 2 : k + 3].mean() for k in kept]
+    assert after["acceleration"].values.ravel() == pytest.approx(np.array(means))
+    assert after["acceleration_std"].values == pytest.approx(before["acceleration_std"].values / np.sqrt(5.0))
+    assert after["acceleration"].attrs["units"] == "m s-2"
+
+
+def test_the_given_recording_stays_as_it_was(run, quantities):
+    before = run.copy(deep=True)
+    thinned(run, quantities)
+    assert run.identical(before)
+
+
+def test_film_and_initial_state_are_left_alone(run, quantities):
+    after = thinned(run, quantities)
+    assert after["film"].identical(run["film"])
+    assert after["initial"].identical(run["initial"])
+
+
+def test_samples_at_uneven_times_are_left_alone(run, quantities, changed):
+    uneven = changed(run, "accelerometer", lambda dataset: dataset.isel(time=np.r_[0:500, 503:2000]))
+    assert thinned(uneven, quantities)["accelerometer"].sizes["time"] == 1997
+
+
+def test_a_filtered_channel_keeps_the_rate_that_its_filter_needs(run, quantities, changed):
+    filtered = changed(run, "accelerometer", lambda dataset: dataset.assign_attrs(channel_frequency_class=180))
+    after = thinned(filtered, quantities)["accelerometer"].to_dataset(inherit=False)
+    interval = float(np.diff(after["time"].values).max())
+    assert 1e-4 < interval <= 1.0 / (10.0 * 180.0)
+    kept = filtered["accelerometer"]["acceleration"].sel(time=after["time"], method="nearest")
+    assert after["acceleration"].values == pytest.approx(kept.values)
+
+
+@pytest.mark.parametrize("cfc", [0, 60, 180])
+def test_thinning_keeps_the_information(run, quantities, changed, misfit, model, cfc):
+    full = changed(run, "accelerometer", lambda dataset: dataset.assign_attrs(channel_frequency_class=cfc))
+    curvatures = []
+    for recording in (full, thinned(full, quantities)):
+        one = misfit(model, run=recording)
+        _, jacobian = one.residual_and_jacobian(one.start())
+        curvatures.append(jacobian.T @ jacobian)
+    before, after = (np.sqrt(np.diag(curvature)) for curvature in curvatures)
+    assert after == pytest.approx(before, rel=0.05)
+
+
+def test_thinning_leaves_as_much_noise_as_it_says(run, quantities, changed, misfit, model):
+    one = misfit(model, run=thinned(changed(run, "accelerometer", noisy), quantities))
+    total = one.channel_sums(one.residual(one.start()))[1]
+    count = one.channels[1].samples
+    assert total == pytest.approx(count, abs=5.0 * np.sqrt(2.0 * count))

@@ -1,0 +1,152 @@
+"""Sums of laws: what is added takes part in loading and unloading, and what cannot be added is refused."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from crashkit.protocols import ParameterSpec, SpringLaw
+from crashkit.registry.law_book import LawBook, can_be_added, can_take, fit_together
+from crashkit_spring_laws import SPRING_LAWS
+
+BOOK = LawBook({law.name: law for law in SPRING_LAWS})
+ALPHA, DELTA, GAMMA, BETA = 1e6, 1e5, 0.3, 5e5
+SLOPE = 4e6
+P, PEAK = 5e4, 0.02
+deformations = st.floats(0.0, 0.6)
+
+
+def plateau(d: float) -> float:
+    """The loading curve, written out once more."""
+    return min(ALPHA * d, DELTA) + BETA * max(0.0, d - GAMMA)
+
+
+def peak(d: float) -> float:
+    return P * (d / PEAK) * math.exp(1.0 - d / PEAK)
+
+
+def crush(name: str, d: float, d_max: float, *added: float, slope: float = SLOPE, rate: float = 0.0, gap: float = 0.0) -> float:
+    return BOOK[name].force(d, 1.0, d_max, ALPHA, DELTA, GAMMA, BETA, slope, rate, gap, 0.0, *added)
+
+
+@given(d=deformations)
+def test_loading_is_the_sum_of_both_curves(d):
+    assert crush("crush_plateau + peak", d, d, P, PEAK) == pytest.approx(plateau(d) + peak(d), rel=1e-12, abs=1e-6)
+
+
+@given(d_max=deformations, share=st.floats(0.0, 1.0))
+def test_unloading_follows_the_first_laws_slope_from_the_sum(d_max, share):
+    d = share * d_max
+    expected = max(0.0, plateau(d_max) + peak(d_max) - SLOPE * (d_max - d))
+    assert crush("crush_plateau + peak", d, d_max, P, PEAK) == pytest.approx(expected, rel=1e-9, abs=1e-3)
+
+
+@given(d=deformations, d_max=deformations)
+def test_without_a_slope_of_its_own_it_unloads_along_the_sum(d, d_max):
+    d_max = max(d, d_max)
+    assert crush("crush_plateau + peak", d, d_max, P, PEAK, slope=0.0) == pytest.approx(plateau(d) + peak(d), rel=1e-9, abs=1e-6)
+
+
+@given(d=deformations)
+def test_the_rate_factor_multiplies_the_sum(d):
+    assert crush("crush_plateau + peak", d, d, P, PEAK, rate=0.5) == pytest.approx(1.5 * (plateau(d) + peak(d)), abs=1e-6)
+
+
+@given(d=deformations, d_max=deformations)
+def test_what_is_added_vanishes_with_its_amplitude(d, d_max):
+    d_max = max(d, d_max)
+    assert crush("crush_plateau + peak", d, d_max, 0.0, PEAK) == crush("crush_plateau", d, d_max)
+
+
+@given(d=deformations)
+def test_sums_can_be_added_to(d):
+    name = "crush_plateau + peak + linear_stop"
+    total = crush(name, d, d, P, PEAK, 2e6, 0.4)
+    assert total == pytest.approx(plateau(d) + peak(d) + 2e6 * max(0.0, d - 0.4), rel=1e-12, abs=1e-6)
+
+
+@given(d=deformations)
+def test_a_table_can_be_added(d):
+    heights, reach = [1e3, -2e3, 3e3, 4e3], 0.5
+    alone = BOOK["smooth_table"].force(d, 1.0, d, heights, reach, 1e-3)
+    assert crush("crush_plateau + smooth_table", d, d, heights, reach, 1e-3) == pytest.approx(plateau(d) + alone, abs=1e-6)
+
+
+def test_a_sum_declares_what_its_parts_declare():
+    both = BOOK["crush_plateau + peak"]
+    assert both.name == "crush_plateau + peak"
+    assert both.unit == "N"
+    assert both.parameters == (*BOOK["crush_plateau"].parameters, *BOOK["peak"].parameters)
+    assert issubclass(both, SpringLaw)
+
+
+def test_a_sum_is_the_same_class_each_time():
+    assert BOOK["crush_plateau + peak"] is BOOK["crush_plateau + peak"]
+
+
+UNKNOWN = [
+    "no_such_law",
+    "crush_plateau + no_such_law",
+    "no_such_law + peak",
+    "crush_plateau +peak",
+    "crush_plateau + ",
+    " + peak",
+    "",
+]
+
+
+@pytest.mark.parametrize("name", UNKNOWN)
+def test_an_unknown_name_is_a_key_error(name):
+    assert name not in BOOK
+    with pytest.raises(KeyError, match="law|peak|plateau|''| "):
+        BOOK[name]
+
+
+CLASHES = {
+    "peak + crush_plateau": "a peak has no loading curve to add to",
+    "crush_plateau + rate_linear": "a factor is no force",
+    "crush_plateau + tie": "a law with several returns cannot stand in another",
+    "crush_plateau + crush_plateau": "parameters of the same names",
+    "crush_plateau + peak + peak": "parameters of the same names",
+    "crush_plateau + viscous": "both have a clearance",
+}
+
+
+@pytest.mark.parametrize("name", CLASHES, ids=CLASHES.values())
+def test_laws_that_do_not_fit_together_are_refused(name):
+    assert name not in BOOK
+    with pytest.raises(KeyError, match="."):
+        BOOK[name]
+
+
+def test_what_fits_is_told_beforehand():
+    assert can_take(BOOK["crush_plateau"]) and can_take(BOOK["piecewise_affine"]) and not can_take(BOOK["peak"])
+    assert can_be_added(BOOK["folding"]) and not can_be_added(BOOK["tie"])
+    assert fit_together(BOOK["crush_plateau"], BOOK["peak"])
+    assert not fit_together(BOOK["crush_plateau"], BOOK["viscous"])
+
+
+def test_only_installed_laws_are_listed():
+    assert list(BOOK) == [law.name for law in SPRING_LAWS]
+    assert len(BOOK) == len(SPRING_LAWS)
+
+
+class Clashing(SpringLaw):
+    """Uses names that the plateau uses for something else."""
+
+    name = "clashing"
+    parameters = (ParameterSpec("height", "N", "force at a unit of deformation"),)
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, height: float) -> float:
+        static = d + 1.0
+        x = static * height
+        return x
+
+
+@given(d=deformations)
+def test_variables_of_the_same_name_are_kept_apart(d):
+    book = LawBook({"crush_plateau": BOOK["crush_plateau"], "clashing": Clashing})
+    force = book["crush_plateau + clashing"].force(d, 0.0, d, ALPHA, DELTA, GAMMA, BETA, SLOPE, 0.0, 0.0, 0.0, 7.0)
+    assert force == pytest.approx(plateau(d) + 7.0 * (d + 1.0), rel=1e-12)
