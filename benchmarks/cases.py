@@ -1,8 +1,8 @@
-"""How often a diagnosis is right: every case of a folder whose secret is known, with its time and what it gains on held-out runs.
+"""How often a diagnosis is right: every case of a folder whose secret is known, with its time and its gain on held-out runs.
 
-The folder is named by the environment variable CRASHKIT_CASES (else ../shared/cases beside the checkout). Each case is a folder of
-its own with model.toml, run_*.nc, holdout_*.nc and truth.json: `accept` lists [physics, kind of place, place], of which one, or
-with `all` each, must be found; ["consistent", null, null] where nothing is concealed.
+The environment variable CRASHKIT_CASES names the folder (else ../shared/cases beside the checkout). Each case is a folder of
+its own with model.toml, run_*.nc, holdout_*.nc and truth.json: `accept` lists [physics, kind of place, place], of which one,
+or with `all` each, must be found; ["consistent", null, null] where nothing is concealed.
 """
 
 import json

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from attrs import evolve
 
 from crashkit import api
 from crashkit.cli import main
@@ -38,20 +39,18 @@ def given(tmp_path_factory, equipped) -> Path:
 @pytest.fixture
 def quick(equipped, monkeypatch):
     """A diagnosis that knows one hypothesis, with the engine that is there already."""
-    from attrs import evolve
-
     few = evolve(equipped, hypotheses={"clearance": equipped.hypotheses["clearance"]})
     monkeypatch.setattr(api, "workshop", lambda: few)
 
 
-def test_a_diagnosis_writes_three_files(quick, given, tmp_path):
+def test_a_diagnosis_writes_its_files(quick, given, tmp_path):
     told = []
     result = api.diagnose_files(given / "model.toml", [given / "run.nc"], [], tmp_path / "new" / "out", told.append)
-    written = {path.name for path in (tmp_path / "new" / "out").iterdir()}
-    assert written == {"diagnosis.json", "augmented_model.toml", "index.html"}
-    document = json.loads((tmp_path / "new" / "out" / "diagnosis.json").read_text(encoding="utf-8"))
+    output = tmp_path / "new" / "out"
+    assert {path.name for path in output.iterdir()} >= {"diagnosis.json", "augmented_model.toml", "index.html"}
+    document = json.loads((output / "diagnosis.json").read_text(encoding="utf-8"))
     assert (document["verdict"], result.verdict) == ("consistent", "consistent")
-    assert api.load_model(tmp_path / "new" / "out" / "augmented_model.toml") == result.augmented_model
+    assert api.load_model(output / "augmented_model.toml") == result.augmented_model
     assert told[0] == "re-identifying the model"
 
 
@@ -136,11 +135,14 @@ BAD = {
     "no such file": (lambda folder, given: (folder / "run.nc").unlink(), "expected a netCDF file, found no such file"),
     "a truncated file": (truncated, "expected a netCDF file, found one that cannot be read"),
     "a wrong unit": (film(in_millimetres), "film/position: expected "),
-    "dims out of order": (film(lambda d: d.transpose("axis", "marker", "time")), "film/position: expected "),
+    "dims out of order": (
+        film(lambda d: d.assign(position=d["position"].transpose("axis", "marker", "time"))),
+        "film/position: expected ",
+    ),
     "time that goes back": (film(backwards), "film/time: expected "),
     "a channel without any reading": (film(hidden), "film/position: expected "),
     "an unknown body": (film(lambda d: d.assign(marker_body=("marker", ["engine"]))), "film/marker_body: expected a body of "),
-    "a value out of bounds": (model_text("elastic_stiffness = 120000.0", "elastic_stiffness = -1.0"), "elastic_stiffness: expected "),
+    "a value out of bounds": (model_text("value = 24000.0", "value = 1.0"), "crush_force: expected "),
     "a law that is not installed": (model_text('law = "crush_plateau"', 'law = "origami"'), "law: expected "),
     "broken TOML": (model_text("[[joint]]", "[[joint"), "model.toml: "),
 }

@@ -2,14 +2,13 @@
 
 from collections.abc import Mapping
 
-import numpy as np
 import xarray as xr
 from attrs import evolve
 
 from crashkit.diagnose.consistency import check_instruments
 from crashkit.diagnose.finding import estimates, experiment, make_finding, with_experiment
 from crashkit.diagnose.fits import curves_of, fit_of, predict
-from crashkit.diagnose.name import Progress, Rival
+from crashkit.diagnose.name import Progress
 from crashkit.diagnose.reidentify import refine, reidentify
 from crashkit.diagnose.result import Alternative, Diagnosis, Finding, Fit, place_of
 from crashkit.diagnose.rounds import Discovery, Round, discover, run_drops
@@ -87,14 +86,12 @@ def _told(workshop: Workshop, discovery: Discovery, holdout: Mapping[str, xr.Dat
     )
 
 
-def _compared(
-    base: Misfit, final: Misfit, unseen: tuple[Misfit, ...]
-) -> tuple[dict[str, dict[str, Fit]], xr.DataTree]:
+def _compared(base: Misfit, final: Misfit, unseen: tuple[Misfit, ...]) -> tuple[dict[str, dict[str, Fit]], xr.DataTree]:
     sets = {"calibration": (base, final)} | ({"holdout": unseen} if unseen else {})
     fits: dict[str, dict[str, Fit]] = {"calibration": {}, "holdout": {}}
     curves: dict[str, xr.Dataset] = {}
     for name, pair in sets.items():
-        predictions = tuple(predict(misfit) for misfit in pair)
+        predictions = predict(pair[0]), predict(pair[1])
         fits[name] = {when: fit_of(m, p) for when, m, p in zip(("before", "after"), pair, predictions, strict=True)}
         curves |= curves_of(pair[0], pair[1], predictions, holdout=name == "holdout")
     return fits, xr.DataTree.from_dict(curves)
@@ -103,7 +100,8 @@ def _compared(
 def _findings(workshop: Workshop, discovery: Discovery, unseen: tuple[Misfit, ...]) -> tuple[tuple[Finding, ...], xr.DataTree]:
     identified = discovery.search.result()
     units = units_of(discovery.final.model, workshop)
-    told, trees = [], {}
+    told: list[Finding] = []
+    trees: dict[str, xr.Dataset] = {}
     for number, look in enumerate(discovery.rounds):
         rival = look.rivals[0]
         action = action_of(workshop, discovery.final, look.before, rival, unseen)
@@ -116,6 +114,7 @@ def _findings(workshop: Workshop, discovery: Discovery, unseen: tuple[Misfit, ..
             _alternatives(look),
             {run: one for run, one in action.items() if not one.attrs["holdout"]},
             run_drops(look.before, rival.search.fitted()),
+            max(float(group.times[-1]) for group in discovery.final.groups),
         )
         told.append(_with_experiment(finding, look))
         trees |= {f"{number}/{run}": one for run, one in action.items()}

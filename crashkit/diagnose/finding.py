@@ -37,15 +37,17 @@ def make_finding(
     alternatives: Sequence[Alternative],
     action: Mapping[str, xr.Dataset],
     run_drops: Mapping[str, float],
+    end: float,
 ) -> Finding:
     """The finding in full.
 
     Arguments:
         action: what the finding adds, by run: `modelled_force` and `deformation_rate` over time; empty for sensors.
         run_drops: drop in chi squared of each run when the finding is let in.
+        end: s, of the recordings; an instrument's fault lasts throughout.
     """
     place = place_of(rival.proposal.location)
-    start, end, phase = _activity(action)
+    start, stop, phase = _activity(action, end)
     named = tuple(run for run, drop in run_drops.items() if drop > RUN_DROP) or tuple(run_drops)
     return Finding(
         physics=rival.proposal.physics,
@@ -54,7 +56,7 @@ def make_finding(
         probability=probability,
         location=_told(rival.proposal.location),
         runs=named,
-        time=(start, end),
+        time=(start, stop),
         phase=phase,
         parameters=parameters,
         alternatives=tuple(alternatives),
@@ -88,10 +90,10 @@ def _short(path: str) -> str:
     return path.rsplit(".", 1)[-1]
 
 
-def _activity(action: Mapping[str, xr.Dataset]) -> tuple[float, float, str]:
+def _activity(action: Mapping[str, xr.Dataset], end: float) -> tuple[float, float, str]:
     """From when to when it pushes noticeably, and whether mostly while the joint is loaded or unloaded."""
     if not action:
-        return 0.0, float("nan"), "both"
+        return 0.0, end, "both"
     largest = max(float(np.nanmax(np.abs(one["modelled_force"]))) for one in action.values())
     starts, ends, loading, total = [], [], 0.0, 0.0
     for one in action.values():
@@ -104,9 +106,9 @@ def _activity(action: Mapping[str, xr.Dataset]) -> tuple[float, float, str]:
         total += float(np.nansum(force))
     share = loading / total if total else 0.5
     phase = "loading" if share > 0.8 else "unloading" if share < 0.2 else "both"
-    return min(starts, default=0.0), max(ends, default=float("nan")), phase
+    return min(starts, default=0.0), max(ends, default=end), phase
 
 
 def _speed(recording: xr.DataTree) -> float:
     initial = recording.children.get("initial")
-    return float(np.abs(initial["velocity"].values).max()) if initial is not None else 0.0
+    return float(np.abs(initial.to_dataset()["velocity"].values).max()) if initial is not None else 0.0

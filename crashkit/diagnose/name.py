@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
+
 import numpy as np
 from attrs import frozen
 
@@ -113,10 +114,17 @@ def best_forms(ranked: Iterable[Rival]) -> list[Rival]:
 
 
 def _polished(
-    workshop: Workshop, given: Misfit, ranked: Sequence[Rival], proposals: Sequence[Proposal], reference: float, progress: Progress
+    workshop: Workshop,
+    given: Misfit,
+    ranked: Sequence[Rival],
+    proposals: Sequence[Proposal],
+    reference: float,
+    progress: Progress,
 ) -> list[Rival]:
-    """Every form of the leading claims, searched from many starts: the winner has not reached the noise floor, and another form
-    of its own or of its closest rivals may only have been caught in a local optimum.
+    """Every form of the leading claims, searched from many starts.
+
+    The winner has not reached the noise floor, and another form of its own or of its closest rivals may only have been caught
+    in a local optimum.
     """
     leading = list(dict.fromkeys(identity(rival.proposal) for rival in ranked))[:POLISHED]
     forms = [p for p in proposals if identity(p) in leading and p.physics != "unknown"]

@@ -18,8 +18,8 @@ CHANCE = 0.01
 LEAST_DROP = 20.0
 """Chi squared that a finding must at least explain: among a hundred trials of noise the largest stays below it."""
 FORM_ERROR = 0.005
-"""Share of what was explained already that a further finding must at least explain: the form of a law is never quite right, and
-a form that is wrong by 7 % of its effect leaves this much."""
+"""Share of what was explained already that a further finding must at least explain: the form of a law is never quite right,
+and a form that is wrong by 7 % of its effect leaves this much."""
 STEPS = 60
 NEEDED = 100.0
 """Chi squared that the loss of a finding must cost for it to be plainly needed."""
@@ -75,16 +75,23 @@ def discover(workshop: Workshop, given: Misfit, base_search: Search, progress: P
     base = base_search.fitted()
     rounds: list[Round] = []
     current, search = base, base_search
-    while True:
+    look: Round | None = None
+    while len(rounds) < MOST_FINDINGS and not _is_estimated(rounds):
         look = _look(workshop, given, current, [r.rivals[0] for r in rounds], progress)
-        if look.winner is None or len(rounds) == MOST_FINDINGS:
+        if look.winner is None:
             break
         rounds.append(look)
         search = look.winner.search
         current = search.fitted()
     if len(rounds) > 1:
         rounds, search = _reconsider(workshop, given, base_search, rounds, progress)
-    return Discovery(base, search.fitted(), search, tuple(rounds), look)
+    last = look if look is not None and look.winner is None else None
+    return Discovery(base, search.fitted(), search, tuple(rounds), last)
+
+
+def _is_estimated(rounds: Sequence[Round]) -> bool:
+    """Beside a force that is only estimated, nothing more can be named: what is left is mostly the coarseness of the estimate."""
+    return bool(rounds) and rounds[-1].rivals[0].proposal.physics == "unknown"
 
 
 def _look(workshop: Workshop, given: Misfit, current: Misfit, found: Sequence[Rival], progress: Progress) -> Round:

@@ -109,8 +109,9 @@ def _bodies_at(model: Model, location: Mapping[str, object]) -> tuple[str, str] 
     if "joint" in location:
         return model.joint(str(location["joint"])).bodies
     if "bodies" in location:
-        first, second = location["bodies"]
-        return str(first), str(second)
+        pair = location["bodies"]
+        assert isinstance(pair, list | tuple)  # as Proposal says
+        return str(pair[0]), str(pair[1])
     if "body" in location:
         fixed = next((body.name for body in model.bodies if body.fixed), None)
         return (fixed, str(location["body"])) if fixed else None

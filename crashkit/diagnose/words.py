@@ -43,8 +43,8 @@ def noted(discovery: Discovery, workshop: Workshop) -> tuple[str, ...]:
     if open_levels:
         samples = discovery.final.independent_samples
         notes.append(
-            f"the noise of {', '.join(open_levels)} is not given and the channels are filtered: residuals are weighed by their own "
-            f"size, and all channels together count as about {samples:.0f} independent samples"
+            f"the noise of {', '.join(open_levels)} is not given and the channels are filtered: residuals are weighed by "
+            f"their own size, and all channels together count as about {samples:.0f} independent samples"
         )
     return tuple(notes)
 

@@ -47,7 +47,7 @@ class Workshop:
     def rehearsed(self, model: Model, recordings: Iterable[xr.DataTree]) -> "Workshop":
         """The same with an engine for the model and for every law that a hypothesis may bring to it.
 
-        Compiling takes seconds, so it is done once: the hypotheses are asked beforehand, with a motion that excites everything.
+        Compiling takes seconds, so it is done once: the hypotheses are asked beforehand, with a motion that excites all.
         """
         motion, recordings = [_lively_motion(model)], list(recordings)
         proposals = [p for kind in self.hypotheses.values() for p in kind().propose(model, motion, recordings)]

@@ -169,7 +169,7 @@ class Misfit:
 
 
 def _faster(recording: xr.DataTree, factor: float) -> xr.DataTree:
-    state = recording["initial"].to_dataset(inherit=False)
+    state = recording.children["initial"].to_dataset(inherit=False)
     return recording.assign({"initial": xr.DataTree(state.assign(velocity=factor * state["velocity"]))})
 
 

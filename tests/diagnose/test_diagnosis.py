@@ -8,6 +8,8 @@ from attrs import evolve
 
 from crashkit.diagnose import diagnose
 from crashkit.diagnose.result import place_of, run_name
+from crashkit.model import Joint, Parameter
+from crashkit.model.edit import with_joint
 from crashkit.report.document import diagnosis_json
 
 RIVALS = ("bias", "clearance", "clock_offset", "gain_error", "viscous_damping")
@@ -21,8 +23,8 @@ def diagnosed(workshop, model, recorded):
     few = evolve(workshop, hypotheses={name: workshop.hypotheses[name] for name in RIVALS})
     believed = model.with_values({path: 1.08 * p.value for path, p in model.free_parameters().items()})
 
-    def run(**changes):
-        runs = {name: recorded(model, speed, seed, **changes) for seed, (name, speed) in enumerate(SPEEDS.items(), 1)}
+    def run(true=model, **changes):
+        runs = {name: recorded(true, speed, seed, **changes) for seed, (name, speed) in enumerate(SPEEDS.items(), 1)}
         return diagnose(believed, {name: runs[name] for name in ("slow.nc", "fast.nc")}, {"faster.nc": runs["faster.nc"]}, few)
 
     return run
@@ -39,6 +41,14 @@ def nothing(diagnosed):
 @pytest.fixture(scope="module")
 def bias(diagnosed):
     return diagnosed(accelerometer=lambda dataset: dataset.assign(acceleration=dataset["acceleration"] + OFFSET))
+
+
+@pytest.fixture(scope="module")
+def damped(diagnosed, model):
+    """The structure itself is other than believed: a dashpot acts beside the spring."""
+    dashpot = {"damping": 800.0, "clearance": 0.0, "engagement": 1e-3}
+    parameters = {name: Parameter(value, fixed=True) for name, value in dashpot.items()}
+    return diagnosed(with_joint(model, Joint("dashpot", ("wall", "front"), "viscous", parameters)))
 
 
 def test_where_nothing_is_concealed_nothing_is_found(nothing):
@@ -70,7 +80,7 @@ def test_an_offset_explains_the_misfit_of_runs_that_were_not_fitted(bias):
         before, after = (bias.fits[runs][when].normalised_rmse for when in ("before", "after"))
         assert before > 1.5, runs
         assert after == pytest.approx(1.0, abs=0.1), runs
-    assert [name for name in bias.fits["holdout"]["after"].channels["channel"].values] == [
+    assert bias.fits["holdout"]["after"].channels["channel"].values.tolist() == [
         "faster.nc/film/front_marker",
         "faster.nc/accelerometer/front_sensor",
     ]
@@ -108,6 +118,34 @@ def test_the_document_for_programs_is_complete(bias):
     assert document["findings"][0]["physics"] == "bias"
     assert document["findings"][0]["parameters"]["bias"]["units"] == "m s-2"
     assert document["fit"]["holdout"]["after"]["normalised_rmse"] < document["fit"]["holdout"]["before"]["normalised_rmse"]
+
+
+def test_physics_that_the_structure_hides_is_named_and_measured(damped):
+    assert damped.verdict == "missing_physics"
+    (finding,) = damped.findings
+    assert (finding.physics, dict(finding.location)) == ("viscous_damping", {"joint": "first"})
+    estimate = finding.parameters["damping"]
+    assert estimate.units == "N s m-1"
+    assert abs(estimate.value - 800.0) < 5.0 * estimate.std < 100.0
+    assert finding.sentence.startswith("joint first is damped")
+
+
+def test_the_augmented_model_predicts_the_run_that_was_held_out(damped):
+    fits = damped.fits["holdout"]
+    assert fits["before"].normalised_rmse > 1.3
+    assert fits["after"].normalised_rmse == pytest.approx(1.0, abs=0.1)
+    assert len(damped.augmented_model.joints) == len(damped.base_model.joints) + 1
+
+
+def test_the_missing_force_is_shown_beside_what_the_finding_adds(damped):
+    assert list(damped.missing_force["0"].children) == ["slow.nc", "fast.nc", "faster.nc"]
+    for run, node in damped.missing_force["0"].children.items():
+        assert (node.attrs["place"], node.attrs["holdout"]) == ("joint first", int(run == "faster.nc"))
+        modelled = node["modelled_force"].values
+        assert modelled.max() > 5e3
+        loading = node["deformation_rate"].values > 3.0  # what a stiff unloading asks for magnifies every millimetre
+        gap = (node["missing_force"].values - modelled)[loading]
+        assert np.sqrt(np.mean(gap**2)) < 0.25 * modelled.max()
 
 
 PLACES = [

@@ -56,7 +56,10 @@ def test_the_recorded_motion_is_that_of_the_instruments(workshop, model, recorde
     wrong = model.with_values({"joint.first.crush_force": 1.5e4})
     one = misfit(wrong, run=recorded(model, noise=0.0))
     simulation = one.predictor.motion("run", one.values(one.start()))
-    motion, truth = recorded_motion(one, "run", simulation, workshop.smoother), simulated(model, 1.0, simulation["time"].values)
+    motion, truth = (
+        recorded_motion(one, "run", simulation, workshop.smoother),
+        simulated(model, 1.0, simulation["time"].values),
+    )
     assert motion["observed"].values.tolist() == [False, True]
     for quantity, accuracy in (("position", 1e-4), ("velocity", 5e-3), ("acceleration", 1e-6)):
         difference = (motion[quantity] - truth[quantity]).sel(body="front")
@@ -69,7 +72,10 @@ def test_film_alone_tells_of_the_motion_through_the_smoother(workshop, model, re
     del run["accelerometer"]
     one = misfit(model, run=run)
     simulation = one.predictor.motion("run", one.values(one.start()))
-    motion, truth = recorded_motion(one, "run", simulation, workshop.smoother), simulated(model, 1.0, simulation["time"].values)
+    motion, truth = (
+        recorded_motion(one, "run", simulation, workshop.smoother),
+        simulated(model, 1.0, simulation["time"].values),
+    )
     assert np.abs((motion["position"] - truth["position"]).sel(body="front")).max() < 5e-3
     assert np.sqrt((((motion["acceleration"] - truth["acceleration"]).sel(body="front")) ** 2).mean()) < 15.0
 

@@ -26,7 +26,9 @@ def peak(d: float) -> float:
     return P * (d / PEAK) * math.exp(1.0 - d / PEAK)
 
 
-def crush(name: str, d: float, d_max: float, *added: float, slope: float = SLOPE, rate: float = 0.0, gap: float = 0.0) -> float:
+def crush(
+    name: str, d: float, d_max: float, *added: float, slope: float = SLOPE, rate: float = 0.0, gap: float = 0.0
+) -> float:
     return BOOK[name].force(d, 1.0, d_max, ALPHA, DELTA, GAMMA, BETA, slope, rate, gap, 0.0, *added)
 
 
@@ -45,7 +47,9 @@ def test_unloading_follows_the_first_laws_slope_from_the_sum(d_max, share):
 @given(d=deformations, d_max=deformations)
 def test_without_a_slope_of_its_own_it_unloads_along_the_sum(d, d_max):
     d_max = max(d, d_max)
-    assert crush("crush_plateau + peak", d, d_max, P, PEAK, slope=0.0) == pytest.approx(plateau(d) + peak(d), rel=1e-9, abs=1e-6)
+    assert crush("crush_plateau + peak", d, d_max, P, PEAK, slope=0.0) == pytest.approx(
+        plateau(d) + peak(d), rel=1e-9, abs=1e-6
+    )
 
 
 @given(d=deformations)

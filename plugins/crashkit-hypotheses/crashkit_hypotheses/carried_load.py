@@ -11,8 +11,9 @@ from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.model.edit import fresh_name, with_body, with_joint
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import grid
+from crashkit_hypotheses.carried_contact import meets_obstacle
 
-MASS_SHARES = (0.05, 0.2)
+MASS_SHARES = (0.01, 0.05, 0.2)
 SLACKS = (0.02, 0.06)
 UNSEEN = (5.0, 0.1)
 """Speed in m s-1 and time in s of a stop, where the motion shows none."""
@@ -22,7 +23,7 @@ Start = Mapping[str, float]
 
 
 class CarriedLoad(Hypothesis):
-    """A body of unknown mass, tied closely, with slack, by a belt that yields, or behind a gap that it crushes something in."""
+    """A body of unknown mass: tied closely, with slack, by a yielding belt; crushing what it meets; or hitting the wall."""
 
     physics: ClassVar[str] = "carried_load"
     sentence: ClassVar[str] = "{place} carries a mass that the model does not have"
@@ -30,11 +31,12 @@ class CarriedLoad(Hypothesis):
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every moving body that is not itself a load, with each kind of tie."""
         carriers = [(body, body.mass.value) for body in model.bodies if body.mass is not None and not body.carrier]
-        return [
+        tied = [
             tie(Carrier(model, body, mass, *stop_of(motion, body.name)))
             for body, mass in carriers
             for tie in (_tied, _slack, _belt, _crush)
         ]
+        return [*tied, *(p for body, mass in carriers for p in meets_obstacle(model, body, mass, recordings))]
 
 
 @frozen
@@ -64,7 +66,9 @@ class Carrier:
 
 def stop_of(motion: Sequence[xr.Dataset], body: str) -> tuple[float, float]:
     """How fast the body was before it was stopped, m s-1, and how long that took, s, in the middle of all runs."""
-    stops = [_stop(one["velocity"].sel(body=body).isel(axis=0).values, one["time"].values) for one in motion if "velocity" in one]
+    stops = [
+        _stop(one["velocity"].sel(body=body).isel(axis=0).values, one["time"].values) for one in motion if "velocity" in one
+    ]
     speeds, durations = zip(*stops, strict=True) if stops else ((0.0,), (0.0,))
     speed, duration = float(np.median(speeds)), float(np.median(durations))
     return (speed, duration) if speed > 0.0 and duration > 0.0 else UNSEEN

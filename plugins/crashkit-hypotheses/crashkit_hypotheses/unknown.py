@@ -9,7 +9,7 @@ from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import added, largest_deformation, largest_force, largest_rate, parallel
 
-KNOTS = 10
+KNOTS = 12
 
 
 class Unknown(Hypothesis):

@@ -100,7 +100,9 @@ def test_a_joint_pulls_only_if_it_was_stretched(propose, runs):
 
 
 def test_bodies_that_are_joined_or_never_come_closer_do_not_touch_anew(propose, model, runs):
-    joined = with_joint(model, Joint("third", ("rear", "wall"), "linear_stop", {"stiffness": FIXED, "stop_deformation": FIXED}))
+    joined = with_joint(
+        model, Joint("third", ("rear", "wall"), "linear_stop", {"stiffness": FIXED, "stop_deformation": FIXED})
+    )
     assert propose("missing_contact", joined) == []
     apart = [run.isel(time=[0, 0]) for run in runs]
     assert propose("missing_contact", motion=apart) == []

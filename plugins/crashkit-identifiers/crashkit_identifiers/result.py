@@ -48,7 +48,8 @@ def _covariance(curvature: np.ndarray, held: np.ndarray) -> np.ndarray:
     root = np.sqrt(np.maximum(np.diag(curvature[free]), 1e-300))
     eigenvalues, vectors = np.linalg.eigh(curvature[free] / np.outer(root, root))
     inverse = vectors / np.maximum(eigenvalues, 1e-14) @ vectors.T
-    covariance[free] = inverse / np.outer(root, root)
+    with np.errstate(over="ignore"):  # what is not seen at all has an infinite variance
+        covariance[free] = inverse / np.outer(root, root)
     return covariance
 
 

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 import xarray as xr
 from attrs import define, evolve
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
 from crashkit.errors import SimulationError
@@ -122,19 +120,16 @@ def test_the_stated_deviation_is_the_scatter_of_repeated_tests():
     assert np.all(np.abs(bias) < 4.0 * stated / np.sqrt(30.0))
 
 
-@pytest.mark.xfail(reason="a parameter that met its bound within a step is not let go again", raises=AssertionError, strict=False)
-@given(
-    target=st.lists(st.floats(-10.0, 10.0), min_size=6, max_size=6),
-    lower=st.lists(st.floats(-2.0, -0.1), min_size=3, max_size=3),
-    upper=st.lists(st.floats(0.1, 2.0), min_size=3, max_size=3),
-)
-@settings(max_examples=60, deadline=None)
-def test_within_bounds_it_finds_what_bounded_least_squares_finds(target, lower, upper):
-    matrix = MATRIX[:6]
-    found = Sensitivity().run(linear(matrix, target, np.zeros(3), lower, upper))
-    best = lsq_linear(matrix, np.array(target), (lower, upper), tol=1e-14)
-    assert found.cost == pytest.approx(best.cost, rel=1e-6, abs=1e-9)
-    assert np.all(found.parameters["value"].values >= lower) and np.all(found.parameters["value"].values <= upper)
+@pytest.mark.xfail(reason="a parameter that met its bound is not let go again", raises=AssertionError, strict=False)
+def test_within_bounds_it_finds_what_bounded_least_squares_finds():
+    random = np.random.default_rng(0)
+    for _ in range(30):
+        matrix, target = random.normal(size=(6, 3)), 5.0 * random.normal(size=6)
+        lower, upper = -random.uniform(0.1, 2.0, 3), random.uniform(0.1, 2.0, 3)
+        found = Sensitivity().run(linear(matrix, target, np.zeros(3), lower, upper))
+        best = lsq_linear(matrix, target, (lower, upper), tol=1e-14)
+        assert found.cost == pytest.approx(best.cost, rel=1e-6, abs=1e-9)
+        assert np.all((found.parameters["value"].values >= lower) & (found.parameters["value"].values <= upper))
 
 
 def test_a_parameter_at_its_bound_says_so_and_has_no_deviation():
@@ -152,10 +147,6 @@ def test_a_start_outside_the_bounds_is_brought_inside():
     assert found.parameters["value"].values == pytest.approx(TRUTH)
 
 
-OVERFLOW = pytest.mark.xfail(reason="the variance of what is not seen at all overflows", raises=RuntimeWarning, strict=False)
-
-
-@OVERFLOW
 def test_a_parameter_that_the_data_do_not_see_is_named():
     blind = MATRIX * [1.0, 0.0, 1.0]
     found = Sensitivity().run(linear(blind, blind @ TRUTH, np.ones(3)))
@@ -242,7 +233,6 @@ def misfit(runs):
     return Misfit(start, runs, load().spring_laws, load().observers)
 
 
-@OVERFLOW
 def test_a_slow_test_does_not_see_what_only_a_fast_one_reaches(slow_and_fast):
     found = Sensitivity().run(misfit({"slow": slow_and_fast["slow"]}))
     seen = dict(zip(found.parameters["parameter"].values, found.parameters["identifiable"].values, strict=True))

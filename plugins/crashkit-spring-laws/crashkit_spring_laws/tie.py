@@ -19,7 +19,9 @@ class Tie(SpringLaw):
         ParameterSpec("stiffness", "N m-1", "slope beyond the slack (k)", lower=1.0),
         ParameterSpec("damping", "N s m-1", "force for a unit of rate beyond the slack (c)", lower=0.0, default=0.0),
         ParameterSpec("slack", "m", "free play either way (s)", lower=0.0, default=0.0),
-        ParameterSpec("yield_force", "N", "the most that the spring bears in compression", lower=1.0, default=NEVER, null=NEVER),
+        ParameterSpec(
+            "yield_force", "N", "the most that the spring bears in compression", lower=1.0, default=NEVER, null=NEVER
+        ),
         ParameterSpec(
             "unloading_stiffness",
             "N m-1",

@@ -1,0 +1,42 @@
+"""Concealed physics in made-up recordings: the diagnosis names it, finds its place, and claims nothing else."""
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+from crashkit.api import diagnose_files
+
+BESIDE = Path(__file__).parents[3] / "shared" / "cases"
+FOLDER = Path(os.environ.get("CRASHKIT_CASES", BESIDE))
+NAMES = sorted(path.parent.name for path in FOLDER.glob("*/truth.json"))
+ALWAYS = ("sample_null", "sample_gain", "sample_clearance")
+"""What runs without being asked for."""
+
+pytestmark = [pytest.mark.cases, pytest.mark.slow]
+
+
+@pytest.mark.parametrize("name", NAMES or ["none"])
+def test_a_case_is_solved(cases, request, tmp_path, name):
+    if name not in ALWAYS and "cases" not in request.config.getoption("markexpr"):
+        pytest.skip("a minute each: run with -m cases")
+    folder = cases / name
+    truth = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
+    runs, unseen = (sorted(folder.glob(f"{kind}_*.nc")) for kind in ("run", "holdout"))
+    answer = diagnose_files(folder / "model.toml", runs, unseen, tmp_path, lambda sentence: None)
+    wanted = {tuple(entry) for entry in truth["accept"]} - {("consistent", None, None)}
+    found = {_claim(finding) for finding in answer.findings}
+    assert found <= wanted, f"claimed what is not there: {sorted(found - wanted)}"
+    assert found >= wanted if truth["all"] else bool(found) == bool(wanted), (
+        f"expected {sorted(wanted)}, found {sorted(found)}"
+    )
+    assert (answer.verdict == "consistent") == (not wanted)
+    before, after = (answer.fits["holdout"][when].normalised_rmse for when in ("before", "after"))
+    assert after <= before * 1.001, "held-out runs: expected a better prediction, or the same where nothing was found"
+
+
+def _claim(finding):
+    kind = next(key for key in ("joint", "bodies", "body", "sensor", "instrument") if key in finding.location)
+    place = finding.location[kind]
+    return finding.physics, kind, tuple(place) if isinstance(place, list) else place
