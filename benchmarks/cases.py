@@ -8,7 +8,7 @@ or with `all` each, must be found; ["consistent", null, null] where nothing is c
 import json
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from time import perf_counter
 
@@ -39,7 +39,8 @@ def diagnosed(folder: Path, output: Path) -> Diagnosis:
 
 def faults(answer: Diagnosis, truth: Mapping[str, object]) -> list[str]:
     """What is wrong with an answer, in words; empty where it is right."""
-    wanted = [tuple(entry) for entry in truth["accept"] if entry[0] != "consistent"]  # type: ignore[attr-defined]
+    accepted: Iterable[tuple[str, str, object]] = truth["accept"]  # type: ignore[assignment]
+    wanted = [_claim(physics, {kind: place}) for physics, kind, place in accepted if physics != "consistent"]
     found = [_claim(finding.physics, finding.location) for finding in answer.findings]
     missing = [claim for claim in wanted if claim not in found]
     if not truth["all"] and len(missing) < len(wanted):
@@ -51,13 +52,14 @@ def faults(answer: Diagnosis, truth: Mapping[str, object]) -> list[str]:
 
 def _claim(physics: str, location: Mapping[str, object]) -> tuple[str, str, object]:
     kind = next(key for key in ("joint", "bodies", "body", "sensor", "instrument") if key in location)
-    return physics, kind, location[kind]
+    place = location[kind]
+    return physics, kind, sorted(place) if isinstance(place, list) else place
 
 
-def _verdict(wanted: list[tuple[object, ...]], together: bool, claim: tuple[object, ...]) -> str:
+def _verdict(wanted: list[tuple[str, str, object]], together: bool, claim: tuple[str, str, object]) -> str:
     """Of several effects at once the structural ones decide."""
     claims = wanted if together else [claim]
-    kinds = [str(kind) for physics, kind, _ in claims if physics != "unknown"]
+    kinds = [kind for physics, kind, _ in claims if physics != "unknown"]
     structural = [kind for kind in kinds if kind not in VERDICTS]
     if structural:
         return "missing_physics"

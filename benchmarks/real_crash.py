@@ -1,8 +1,8 @@
 """A real frontal crash (NHTSA test 10146): what a diagnosis finds of an engine whose own sensors it never sees.
 
-The tool is given a single rigid vehicle, the compartment's acceleration and the wall's force. The engine's accelerometers (curve 95 on
-its top, 96 on its bottom) are opened only to compare. The recordings are in the folder that the environment variable
-CRASHKIT_RECORDINGS names (else ../shared/recordings beside the checkout).
+The tool is given a single rigid vehicle, the compartment's acceleration and the wall's force. The engine's accelerometers
+(curve 95 on its top, 96 on its bottom) are opened only to compare. The recordings are in the folder that the environment
+variable CRASHKIT_RECORDINGS names (else ../shared/recordings beside the checkout).
 """
 
 import os
@@ -18,7 +18,7 @@ import xarray as xr
 from benchmarks import Row
 from crashkit.api import diagnose_files
 from crashkit.data.channel_filter import filter_channel
-from crashkit.data.recording import read_recording, write_recording
+from crashkit.data.recording import write_recording
 from crashkit.diagnose import Diagnosis
 from crashkit.mechanics import simulate
 from crashkit.misfit.rating import rating
@@ -65,7 +65,7 @@ def diagnosed(folder: Path) -> Diagnosis:
 
 def engine() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Times, and the accelerations of the engine's top and bottom, m s-2."""
-    group = imported(UNSEEN)["accelerometer"].to_dataset(inherit=False)
+    group = imported(UNSEEN).children["accelerometer"].to_dataset(inherit=False)
     top, bottom = group["acceleration"].values[:, :, 0].T
     return group["time"].values, top, bottom
 
@@ -91,14 +91,23 @@ def compared(recorded: np.ndarray, simulated: np.ndarray) -> Mapping[str, float]
 def _fit_rows(answer: Diagnosis) -> list[Row]:
     before, after = (answer.fits["calibration"][when].channels["relative_rmse"] for when in ("before", "after"))
     return [
-        Row(f"{name}: relative residual", "error", "1", float(after.sel(channel=name)), "re-identified", float(before.sel(channel=name)))
+        Row(
+            f"{name}: relative residual",
+            "error",
+            "1",
+            float(after.sel(channel=name)),
+            "re-identified",
+            float(before.sel(channel=name)),
+        )
         for name in after["channel"].values.tolist()
     ]
 
 
 def _mass_rows(answer: Diagnosis) -> list[Row]:
     loads = [body for body in answer.augmented_model.bodies if body.carrier and body.mass is not None]
-    return [Row(f"{b.name}: mass", "error", "kg", b.mass.value, "revealed by the engine's sensors", 367.0) for b in loads if b.mass]
+    return [
+        Row(f"{b.name}: mass", "error", "kg", b.mass.value, "revealed by the engine's sensors", 367.0) for b in loads if b.mass
+    ]
 
 
 def _engine_rows(answer: Diagnosis) -> list[Row]:
@@ -115,7 +124,14 @@ def _engine_rows(answer: Diagnosis) -> list[Row]:
     for case, (recorded, part) in cases.items():
         ours, theirs = (compared(recorded[part], one[part]) for one in (simulated, compartment))
         rows += [
-            Row(f"engine {case}: {name}", "rate" if name == "rating" else "error", "m s-1" if "vel" in name else "1", ours[name], "compartment", theirs[name])
+            Row(
+                f"engine {case}: {name}",
+                "rate" if name == "rating" else "error",
+                "m s-1" if "vel" in name else "1",
+                ours[name],
+                "compartment",
+                theirs[name],
+            )
             for name in ours
         ]
     limit = compared(top[both], bottom[both])

@@ -90,7 +90,7 @@ def discover(workshop: Workshop, given: Misfit, base_search: Search, progress: P
 
 
 def _is_estimated(rounds: Sequence[Round]) -> bool:
-    """Beside a force that is only estimated, nothing more can be named: what is left is mostly the coarseness of the estimate."""
+    """Beside a force that is only estimated nothing more can be named: what is left is mostly how coarse the estimate is."""
     return bool(rounds) and rounds[-1].rivals[0].proposal.physics == "unknown"
 
 

@@ -98,7 +98,7 @@ def _belt(carrier: Carrier) -> Proposal:
     more = {
         "slack": Parameter(0.02, 0.0, 0.5),
         "yield_force": Parameter(0.1 * carrier.force, 1e-3 * carrier.force, 10.0 * carrier.force),
-        "unloading_stiffness": Parameter(1e-3 * carrier.stiffest, 1e-7 * carrier.stiffest, 10.0 * carrier.stiffest),
+        "unloading_stiffness": Parameter(1e-3 * carrier.stiffest, 1e-9 * carrier.stiffest, 10.0 * carrier.stiffest),
     }
     starts = []
     for share in MASS_SHARES:
@@ -110,7 +110,7 @@ def _belt(carrier: Carrier) -> Proposal:
 
 def _crush(carrier: Carrier) -> Proposal:
     """The load crushes what it meets: elastic slope, plateau, densification, and steep unloading, behind a clearance."""
-    stiffness = Parameter(1e-3 * carrier.stiffest, 1e-7 * carrier.stiffest, 10.0 * carrier.stiffest)
+    stiffness = Parameter(1e-3 * carrier.stiffest, 1e-9 * carrier.stiffest, 10.0 * carrier.stiffest)
     parameters = {
         "elastic_stiffness": stiffness,
         "crush_force": Parameter(0.1 * carrier.force, 1e-3 * carrier.force, 10.0 * carrier.force),
@@ -137,7 +137,7 @@ def _crush(carrier: Carrier) -> Proposal:
 
 def _spring(carrier: Carrier) -> dict[str, Parameter]:
     return {
-        "stiffness": Parameter(1e-2 * carrier.stiffest, 1e-7 * carrier.stiffest, carrier.stiffest),
+        "stiffness": Parameter(1e-2 * carrier.stiffest, 1e-9 * carrier.stiffest, carrier.stiffest),
         "damping": Parameter(0.0, 0.0, carrier.stiffest),
     }
 
