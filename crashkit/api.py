@@ -1,5 +1,6 @@
 """What the command line does, as functions on files; each returns what is to be printed, or the result."""
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from time import monotonic
@@ -15,6 +16,7 @@ from crashkit.errors import CrashkitError
 from crashkit.mechanics import simulate
 from crashkit.misfit import Misfit
 from crashkit.model import Model
+from crashkit.model.checks import check_recording_against_model
 from crashkit.model.toml import read_model, write_model
 from crashkit.protocols import Status
 from crashkit.registry import Registry, load
@@ -56,10 +58,13 @@ def workshop(registry: Registry | None = None, method: str = "sensitivity", smoo
 
 def diagnose_files(model: Path, runs: Sequence[Path], holdout: Sequence[Path], output: Path, progress: Show) -> Diagnosis:
     """Diagnose a model against recordings; writes diagnosis.json, augmented_model.toml and index.html."""
-    given, recordings, unseen = load_model(model), load_recordings(runs), load_recordings(holdout)
-    both = sorted(set(recordings) & set(unseen))
-    if both:
-        raise CrashkitError(f"expected runs that are either fitted or held out, found both: {both[0]}")
+    given_twice = [path for path, count in Counter(path.resolve() for path in (*runs, *holdout)).items() if count > 1]
+    if given_twice:
+        raise CrashkitError(f"{given_twice[0]}: expected each run once, fitted or held out, found it twice")
+    given, everything = load_model(model), load_recordings([*runs, *holdout])
+    recordings, unseen = dict(list(everything.items())[: len(runs)]), dict(list(everything.items())[len(runs) :])
+    for name, recording in everything.items():
+        check_recording_against_model(recording, given, name)
     _make_folder(output)
     result = diagnose(given, recordings, unseen, workshop(), _told(progress))
     write_model(result.augmented_model, output / "augmented_model.toml", load().spring_laws)

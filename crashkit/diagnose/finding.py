@@ -26,7 +26,9 @@ def estimates(rival: Rival, identified: Identification, units: Mapping[str, str]
     table = identified.parameters
     known = set(table["parameter"].values)
     rows = {path: table.sel(parameter=path) for path in rival.proposal.parameters if path in known}
-    return {_short(path): Estimate(float(r["value"]), float(r["std"]), units.get(path, "")) for path, r in rows.items()}
+    short = [_short(path) for path in rows]
+    told = {path: name if short.count(name) == 1 else path for path, name in zip(rows, short, strict=True)}
+    return {told[path]: Estimate(float(r["value"]), float(r["std"]), units.get(path, "")) for path, r in rows.items()}
 
 
 def make_finding(

@@ -157,7 +157,9 @@ def _entrants(
     for done, (proposal, start) in enumerate(tasks):
         progress(f"scoring {proposal.physics} at {place_of(proposal.location)}", done / len(tasks))
         scores.append(score(proposal, start, workshop.misfit(origin, proposal.model), reference))
-    promising = sorted((s for s in scores if s is not None and s.drop > LEAST_PROMISE), key=lambda s: -s.drop)
+    promising = sorted(
+        (s for s in scores if s is not None and (s.drop > LEAST_PROMISE or not s.proposal.null)), key=lambda s: -s.drop
+    )
     return [_entrant(workshop, origin, one) for one in _first_of_each(promising, most)]
 
 

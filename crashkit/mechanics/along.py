@@ -34,8 +34,10 @@ def forces_along(model: Model, laws: Mapping[str, type[SpringLaw]], motion: xr.D
         net[:, names.index(first)] -= side * force
         net[:, names.index(second)] += side * force
     units = {"deformation": "m", "deformation_rate": "m s-1", "force": "N"}
+    shape = (len(model.joints), motion.sizes["time"])
     variables: dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, str]]] = {
-        n: (("time", "joint"), np.array(c).reshape(len(model.joints), -1).T, {"units": units[n]}) for n, c in columns.items()
+        name: (("time", "joint"), np.array(column).reshape(shape).T, {"units": units[name]})
+        for name, column in columns.items()
     }
     variables["contact_force"] = (("time", "body", "axis"), net[:, :, None], {"units": "N"})
     coords = {"time": motion["time"].values, "joint": [j.name for j in model.joints], "body": names, "axis": list(model.axes)}

@@ -57,6 +57,8 @@ def channel_noise(instrument: xr.Dataset, quantity: str, channel: int, samples: 
 
 def _white_std(samples: np.ndarray) -> float:
     """White noise from fourth differences, which a smooth signal hardly has."""
+    if len(samples) < 8:
+        return _positive(0.0, samples)
     differences = np.diff(samples, 4)
     # 70 = sum of squares of the binomial coefficients 1 4 6 4 1; 0.6745 makes the median that of a normal distribution.
     return _positive(np.median(np.abs(differences)) / 0.6745 / np.sqrt(70.0), samples)

@@ -34,6 +34,7 @@ class Predictor:
         self.groups = tuple(groups)
         self.names = tuple(model.free_parameters())
         self._structural = tuple(name for name in self.names if not name.startswith("instrument."))
+        self._fixed = _moved(model, simulator.model)
         self._initial = {run: initial_state(recording, model) for run, recording in recordings.items()}
         margin = _clock_margin(model)
         self._times = {run: _instants([g.times for g in self.groups if g.run == run], margin) for run in recordings}
@@ -41,6 +42,7 @@ class Predictor:
     def motion(self, run: str, values: Mapping[str, float], sensitivities: bool = False) -> xr.Dataset:
         """The simulated motion of one run at every instant that one of its instruments reads."""
         wanted = self._structural if sensitivities else ()
+        values = {**self._fixed, **values}
         return self.simulator.run(self._times[run], values, initial=self._initial[run], sensitivities=wanted, step=STEP)
 
     def predict(self, values: Mapping[str, float], sensitivities: bool = False) -> list[Prediction]:
@@ -98,6 +100,13 @@ def initial_state(recording: xr.DataTree, model: Model) -> xr.Dataset | None:
     carried = [b for b in model.bodies if b.carrier in state["body"].values and b.name not in state["body"].values]
     loads = [state.sel(body=[b.carrier]).assign_coords(body=[b.name]) for b in carried]
     return xr.concat([state, *loads], dim="body") if loads else state
+
+
+def _moved(model: Model, compiled: Model) -> dict[str, float]:
+    """Parameters of the structure that are fixed, at values other than the simulator's own."""
+    own = compiled.parameters()
+    fixed = {name: p.value for name, p in model.parameters().items() if p.fixed and not name.startswith("instrument.")}
+    return {name: value for name, value in fixed.items() if value != own[name].value}
 
 
 def _clock_margin(model: Model) -> float:

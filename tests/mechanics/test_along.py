@@ -85,7 +85,6 @@ def test_the_largest_deformation_is_remembered(against_wall, laws):
     assert force == pytest.approx([0.0, 0.24, 0.12, 0.0, 0.12, 0.24])
 
 
-@pytest.mark.xfail(reason="an empty table of joints cannot be reshaped", raises=ValueError, strict=False)
 def test_a_model_without_joints_has_no_forces(laws, against_wall):
     model = evolve(against_wall("linear_stop", {"stiffness": 1.0, "stop_deformation": 0.0}), joints=())
     motion = xr.Dataset(

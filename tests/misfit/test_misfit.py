@@ -161,7 +161,6 @@ def test_a_faster_test_is_the_simulation_at_that_speed(misfit, model, recorded):
         assert mine.samples == pytest.approx(other.samples, abs=1e-6)
 
 
-@pytest.mark.xfail(reason="the simulator keeps the old values of fixed parameters", raises=AssertionError, strict=False)
 def test_values_and_freedom_can_be_changed_without_reading_the_recordings_again(misfit, model, recorded):
     one = misfit(model, run=recorded(model))
     held = one.with_values({"joint.first.crush_force": 2e4}, {"joint.first.crush_force": False})

@@ -96,24 +96,32 @@ def _state_at(
 
 
 def _move(problem: Problem, state: SensitivityState) -> np.ndarray:
-    """The damped Gauss-Newton step; parameters that a bound stops are held there and the others solved again."""
-    lower, upper = problem.bounds()
+    """The damped Gauss-Newton step within the bounds: what they stop is held there, until the others' moves draw it back."""
+    lower, upper = _reach(problem, state)
     scale = np.diag(state.curvature).copy()
     scale[scale <= 0] = max(float(scale.max(initial=0.0)), 1.0) * 1e-12
-    logarithmic = problem.scaling(state.point) != 1.0
-    lower = np.where(logarithmic, np.maximum(lower, state.point - LONGEST_STEP), lower)
-    upper = np.where(logarithmic, np.minimum(upper, state.point + LONGEST_STEP), upper)
+    damped = state.curvature + state.damping * np.diag(scale)
     move = np.zeros(len(state.point))
     free = np.ones(len(move), dtype=bool)
-    for _ in range(len(move) + 1):
+    for _ in range(3 * len(move) + 1):
         move[free] = _solve(state, scale, free, move)
         target = state.point + move
         outside = free & ((target < lower) | (target > upper))
-        if not outside.any():
-            break
         move[outside] = np.clip(target, lower, upper)[outside] - state.point[outside]
-        free &= ~outside
+        slope = state.gradient + damped @ move
+        inward = ~free & np.where(target <= lower, slope < 0.0, slope > 0.0)
+        if not outside.any() and not inward.any():
+            break
+        free = free & ~outside if outside.any() else free | inward
     return move
+
+
+def _reach(problem: Problem, state: SensitivityState) -> tuple[np.ndarray, np.ndarray]:
+    """The bounds of one step: those of the problem, and not too far in a logarithm."""
+    lower, upper = problem.bounds()
+    logarithmic = problem.scaling(state.point) != 1.0
+    lower = np.where(logarithmic, np.maximum(lower, state.point - LONGEST_STEP), lower)
+    return lower, np.where(logarithmic, np.minimum(upper, state.point + LONGEST_STEP), upper)
 
 
 def _solve(state: SensitivityState, scale: np.ndarray, free: np.ndarray, move: np.ndarray) -> np.ndarray:

@@ -120,7 +120,6 @@ def test_the_stated_deviation_is_the_scatter_of_repeated_tests():
     assert np.all(np.abs(bias) < 4.0 * stated / np.sqrt(30.0))
 
 
-@pytest.mark.xfail(reason="a parameter that met its bound is not let go again", raises=AssertionError, strict=False)
 def test_within_bounds_it_finds_what_bounded_least_squares_finds():
     random = np.random.default_rng(0)
     for _ in range(30):
