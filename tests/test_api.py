@@ -141,7 +141,7 @@ BAD = {
     ),
     "time that goes back": (film(backwards), "film/time: expected "),
     "a channel without any reading": (film(hidden), "film/position: expected "),
-    "an unknown body": (film(lambda d: d.assign(marker_body=("marker", ["engine"]))), "film/marker_body: expected a body of "),
+    "an unknown body": (film(lambda d: d.assign(marker_body=("marker", ["engine"]))), "film/marker_body: expected bodies of "),
     "a value out of bounds": (model_text("value = 24000.0", "value = 1.0"), "crush_force: expected "),
     "a law that is not installed": (model_text('law = "crush_plateau"', 'law = "origami"'), "law: expected "),
     "broken TOML": (model_text("[[joint]]", "[[joint"), "model.toml: "),
@@ -167,7 +167,7 @@ def test_bad_input_is_told_in_one_line_and_nothing_is_written(quick, given, tmp_
 def test_a_run_cannot_be_fitted_and_held_out(given, tmp_path, capsys):
     run = str(given / "run.nc")
     assert main(["diagnose", str(given / "model.toml"), run, "--holdout", run, "--output", str(tmp_path / "out")]) == 2
-    assert "either fitted or held out, found both: run.nc" in capsys.readouterr().err
+    assert "run.nc: expected each run once, fitted or held out, found it twice" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("duration", ["0", "-1", "nan", "inf"])

