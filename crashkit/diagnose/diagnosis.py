@@ -82,7 +82,7 @@ def _told(workshop: Workshop, discovery: Discovery, holdout: Mapping[str, xr.Dat
         ranking=ranking_table(discovery),
         consistency=consistency,
         identified=identified,
-        notes=noted(discovery, workshop),
+        notes=noted(discovery, fits),
     )
 
 

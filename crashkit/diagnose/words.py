@@ -7,7 +7,6 @@ import xarray as xr
 
 from crashkit.diagnose.result import Estimate, Finding, Fit, place_of
 from crashkit.diagnose.rounds import Discovery
-from crashkit.diagnose.workshop import Workshop
 
 VERDICTS = {
     "consistent": "Simulation and recordings agree: nothing is missing that these recordings could show.",
@@ -28,17 +27,27 @@ def summarise(
     for name, label in (("calibration", "fitted runs"), ("holdout", "held-out runs")):
         if fits[name]:
             lines.append(f"  {label}: {fits[name]['before'].normalised_rmse:.3f} -> {fits[name]['after'].normalised_rmse:.3f}")
+    if fits["holdout"] and fits["holdout"]["after"].normalised_rmse > fits["holdout"]["before"].normalised_rmse + 0.05:
+        lines.append(
+            "  The held-out runs are predicted worse than before: do not trust this outside the runs that were fitted."
+        )
     if consistency.sizes.get("check", 0):
         worst = int(np.argmax(consistency["sigma"].values))
         lines.append(f"Instruments by kinematics alone: {consistency['sentence'].values[worst]}")
     return "\n".join(lines)
 
 
-def noted(discovery: Discovery, workshop: Workshop) -> tuple[str, ...]:
+def noted(discovery: Discovery, fits: Mapping[str, Mapping[str, Fit]]) -> tuple[str, ...]:
     """What cannot be trusted."""
     result = discovery.search.result()
     notes = [f"identification {result.status.value}"] if result.status.name != "CONVERGED" else []
     notes += list(result.unseen)
+    unseen = fits["holdout"]
+    if unseen and discovery.rounds and unseen["after"].normalised_rmse > unseen["before"].normalised_rmse:
+        notes.append(
+            "what was found predicts the held-out runs worse than the re-identified model did: do not trust it outside the "
+            "runs that it was fitted to"
+        )
     open_levels = sorted({f"{c.instrument}/{c.sensor}" for c in discovery.final.channels if not c.noise.trusted})
     if open_levels:
         samples = discovery.final.independent_samples

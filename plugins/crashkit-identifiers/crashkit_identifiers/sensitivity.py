@@ -85,14 +85,21 @@ class Sensitivity(Identifier[SensitivityState]):
 def _state_at(
     problem: Problem, point: np.ndarray, damping: float, path: tuple[tuple[float, np.ndarray], ...]
 ) -> SensitivityState:
-    count = len(point)
+    """The cost and its derivatives at a point; where the model cannot be simulated, or blows up, the cost is infinite."""
+    cost, gradient, curvature = np.inf, np.zeros(len(point)), np.eye(len(point))
     try:
-        residual, jacobian = problem.residual_and_jacobian(point)
+        # A trial far from the data may overflow: it is refused by its cost, which is no reason to warn.
+        with np.errstate(over="ignore", invalid="ignore"):
+            residual, jacobian = problem.residual_and_jacobian(point)
+            cost = 0.5 * float(residual @ residual)
+            gradient, curvature = jacobian.T @ residual, jacobian.T @ jacobian
     except SimulationError:
-        return SensitivityState(point, np.inf, np.zeros(count), np.eye(count), damping, Status.FAILED, path)
-    cost = 0.5 * float(residual @ residual)
+        pass
+    if not np.isfinite(cost) or not np.isfinite(curvature).all():
+        blank = np.zeros(len(point)), np.eye(len(point))
+        return SensitivityState(point, np.inf, *blank, damping, Status.FAILED, path)
     path = (*path, (cost, problem.parameters(point)))
-    return SensitivityState(point, cost, jacobian.T @ residual, jacobian.T @ jacobian, damping, Status.RUNNING, path)
+    return SensitivityState(point, cost, gradient, curvature, damping, Status.RUNNING, path)
 
 
 def _move(problem: Problem, state: SensitivityState) -> np.ndarray:
