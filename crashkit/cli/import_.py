@@ -18,7 +18,7 @@ def register(commands: Any) -> None:
         metavar="CHANNEL[+CHANNEL...]=BODY[:SENSOR]",
         action="append",
         default=[],
-        help="a channel and the model's body that it sees; channels joined by + are summed",
+        help="a channel and the model's body that it sees; the format says how channels joined by + become one",
     )
     parser.add_argument(
         "--option", metavar="KEY=VALUE", type=_pair, action="append", default=[], help="an option of the format"

@@ -1,6 +1,6 @@
 """How well a model predicts: fits by channel, and the curves behind them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
@@ -83,8 +83,3 @@ def _rating(times: np.ndarray, recorded: np.ndarray, predicted: np.ndarray) -> f
     even = np.linspace(times[both][0], times[both][-1], int(both.sum()))
     reference, simulated = (np.interp(even, times[both], values[both]) for values in (recorded, predicted))
     return rating(reference, simulated, float(even[1] - even[0])).total
-
-
-def summed(fits: Mapping[str, Fit]) -> str:
-    """`before -> after` in words."""
-    return f"{fits['before'].normalised_rmse:.2f} -> {fits['after'].normalised_rmse:.2f}"
