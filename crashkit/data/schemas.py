@@ -30,6 +30,8 @@ INITIAL = GroupSchema(
     (
         Variable("position", ("body", "axis"), "m", "centre of mass at t = 0, the first contact"),
         Variable("velocity", ("body", "axis"), "m s-1", "at t = 0"),
+        Variable("orientation", ("body", "quaternion"), "1", "at t = 0, unit quaternion (w, x, y, z)", required=False),
+        Variable("angular_velocity", ("body", "axis"), "rad s-1", "at t = 0, laboratory frame", required=False),
     ),
 )
 
@@ -61,6 +63,22 @@ MOTION = GroupSchema(
             "planar and spatial models only",
             required=False,
             allow_nan=True,
+        ),
+        Variable(
+            "angular_acceleration",
+            ("time", "body", "axis"),
+            "rad s-2",
+            "planar and spatial models only",
+            required=False,
+            allow_nan=True,
+        ),
+        Variable("contact_force", ("time", "body", "axis"), "N", "net force of its joints on the body", required=False),
+        Variable(
+            "contact_moment",
+            ("time", "body", "axis"),
+            "N m",
+            "net moment of its joints about its centre of mass, planar and spatial models only",
+            required=False,
         ),
         Variable("deformation", ("time", "joint"), "m", "compression positive", required=False),
         Variable("deformation_rate", ("time", "joint"), "m s-1", "compression positive", required=False),

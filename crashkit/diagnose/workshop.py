@@ -40,9 +40,10 @@ class Workshop:
 
     def equipped(self, models: Iterable[Model]) -> "Workshop":
         """The same with an engine that also holds the laws of these models."""
+        models = list(models)
         known = frozenset(self.engine.numbers) if self.engine else frozenset()
         functions = known.union(*(functions_of(model, self.laws) for model in models))
-        return self if functions == known else evolve(self, engine=compile_engine(functions))
+        return self if functions == known else evolve(self, engine=compile_engine(functions, len(models[0].axes)))
 
     def rehearsed(self, model: Model, recordings: Iterable[xr.DataTree]) -> "Workshop":
         """The same with an engine for the model and for every law that a hypothesis may bring to it.

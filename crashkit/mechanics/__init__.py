@@ -1,7 +1,7 @@
 """Mechanics: bodies and joints in motion, simulated by one compiled engine with exact sensitivities."""
 
 from crashkit.mechanics.engine import Engine, compile_engine
-from crashkit.mechanics.law_source import LawFunction
+from crashkit.mechanics.laws.source import LawFunction
 from crashkit.mechanics.layout import functions_of
 from crashkit.mechanics.simulator import Simulator, simulate
 

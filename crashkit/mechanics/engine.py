@@ -2,7 +2,6 @@
 
 import hashlib
 import importlib.util
-import inspect
 import os
 import sys
 import tempfile
@@ -16,15 +15,14 @@ import numba
 import platformdirs
 from attrs import field, frozen
 
-from crashkit.mechanics import kernel
-from crashkit.mechanics.emit import emit
-from crashkit.mechanics.law_source import LawFunction
+from crashkit.mechanics.laws.emit import emit
+from crashkit.mechanics.laws.source import LawFunction
 
 HEADER = '''"""Written by crashkit.mechanics.engine; safe to delete."""
 
 import math
 
-from crashkit.mechanics.arrays import D_MAX, END, FORCE, REST, START
+from crashkit.mechanics.kernel.arrays import *
 from numba import njit
 
 compiled = njit(nogil=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
@@ -35,7 +33,11 @@ def power_slope(base, exponent):
     return base**exponent * math.log(base) if base > 0.0 else 0.0
 '''
 KERNEL_MARK = "# ---- compiled from here ----"
-ENTRY = "integrate"
+KERNEL = Path(__file__).parent / "kernel"
+GEOMETRY = {1: "line", 2: "plane", 3: "space"}
+"""The module of the kernel that knows the geometry, by number of axes."""
+MODULES = ("forces", "steps", "tangents", "run")
+ENTRIES = ("integrate", "integrate_many", "sweep")
 DATED = 1_000_000_000
 """Modification time of a generated module: the same whoever writes it, so that compiled code stays valid."""
 LOCK = threading.Lock()
@@ -43,54 +45,72 @@ LOCK = threading.Lock()
 
 @frozen(eq=False)
 class Engine:
-    """Compiled integration of any model whose laws, with the lengths of their vectors, are among `numbers`.
+    """Compiled integration of any model of so many axes whose laws, with the lengths of their vectors, are among `numbers`.
 
     Arguments:
+        axes: 1, 2 (plane motion) or 3 (space).
         numbers: each function's number in the compiled dispatch.
         module: the generated module.
     """
 
+    axes: int
     numbers: Mapping[LawFunction, int]
     module: ModuleType = field(repr=False)
 
 
-def compile_engine(functions: Iterable[LawFunction]) -> Engine:
+def compile_engine(functions: Iterable[LawFunction], axes: int = 1) -> Engine:
     """An engine for these functions: from this process, from disk, or newly written and compiled at its first run.
 
     Generated modules and their machine code are kept in the folder that the environment variable CRASHKIT_CACHE names, else in
     the user's cache folder, else in a temporary one.
 
+    Arguments:
+        functions: laws and factors with the lengths of their vectors; see `functions_of`.
+        axes: of the models: 1, 2 (plane motion) or 3 (space).
+
     Raises:
         CrashkitError: a law holds something that cannot be compiled; names law, line and remedy.
     """
-    ordered = tuple(sorted(set(functions), key=lambda function: (function.law.name, function.sizes)))
+    ordered = tuple(sorted(set(functions), key=lambda function: (function.law.name, function.sizes, function.part)))
     with LOCK:
-        return _engine(ordered)
+        return _engine(ordered, axes)
 
 
 @cache
-def _engine(functions: tuple[LawFunction, ...]) -> Engine:
-    source = _source(functions)
+def _engine(functions: tuple[LawFunction, ...], axes: int) -> Engine:
+    source = _source(functions, axes)
     key = hashlib.sha256(f"{numba.__version__} {sys.version} {source}".encode()).hexdigest()[:20]
-    return Engine({function: number for number, function in enumerate(functions)}, _load(f"crashkit_engine_{key}", source))
+    numbers = {function: number for number, function in enumerate(functions)}
+    return Engine(axes, numbers, _load(f"crashkit_engine_{key}", source))
 
 
-def _source(functions: tuple[LawFunction, ...]) -> str:
+def _source(functions: tuple[LawFunction, ...], axes: int) -> str:
     laws = [f"# {function.law.name} {function.sizes}\n{emit(function, f'law_{n}')}" for n, function in enumerate(functions)]
+    everyone = range(len(functions))
     dispatch = [
-        _dispatch("mode", "", "p, o", "0", len(functions)),
-        _dispatch("frozen", "mode, ", "p, o", "0.0, math.inf", len(functions)),
-        _dispatch("partials", "mode, ", "p, o, out", "0.0", len(functions)),
+        _dispatch("mode", "", "p, o", "0", everyone),
+        _dispatch("frozen", "mode, ", "p, o", "0.0, math.inf", everyone),
+        _dispatch("partials", "mode, ", "p, o, out", "0.0", everyone),
+        _dispatch("guard", "mode, ", "p, o, out", "math.inf", [n for n in everyone if functions[n].law.jumps]),
     ]
-    body = inspect.getsource(kernel).split(KERNEL_MARK, 1)[1]
-    body = body.replace(f"@compiled\ndef {ENTRY}(", f'@njit(nogil=True, error_model="numpy", cache=True)\ndef {ENTRY}(')
-    return "\n\n\n".join([HEADER, *laws, *dispatch, body.strip()]) + "\n"
+    body = [_text(module) for module in (GEOMETRY[axes], *MODULES)]
+    return "\n\n\n".join([HEADER, *laws, *dispatch, *body]) + "\n"
 
 
-def _dispatch(kind: str, first: str, last: str, none: str, count: int) -> str:
-    arguments = f"{first}d, ddot, d_max, {last}"
+@cache
+def _text(module: str) -> str:
+    text = (KERNEL / f"{module}.py").read_text(encoding="utf-8").split(KERNEL_MARK, 1)[1].strip()
+    for entry in ENTRIES:
+        text = text.replace(
+            f"@compiled\ndef {entry}(", f'@njit(nogil=True, error_model="numpy", cache=True)\ndef {entry}('
+        )
+    return text
+
+
+def _dispatch(kind: str, first: str, last: str, none: str, numbers: Iterable[int]) -> str:
+    arguments = f"{first}d, ddot, d_max, z, {last}"
     lines = ["@compiled", f"def law_{kind}(number, {arguments}):"]
-    lines += [f"    if number == {n}:\n        return law_{n}_{kind}({arguments})" for n in range(count)]
+    lines += [f"    if number == {n}:\n        return law_{n}_{kind}({arguments})" for n in numbers]
     return "\n".join([*lines, f"    return {none}"])
 
 

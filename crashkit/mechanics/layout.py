@@ -6,50 +6,73 @@ import numpy as np
 from attrs import frozen
 
 from crashkit.errors import CrashkitError
-from crashkit.mechanics.law_source import LawFunction
-from crashkit.model import Joint, Model, Parameter
+from crashkit.mechanics.given import given_table, imposed_start
+from crashkit.mechanics.kernel.arrays import Floats, Integers
+from crashkit.mechanics.laws.source import LawFunction
+from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.protocols import ParameterSpec, SpringLaw
 
 Laws = Mapping[str, type[SpringLaw]]
+Place = tuple[str, tuple[int | tuple[int, ...], ...]]
+"""The name of an array of the layout, and the index of a parameter in it."""
+
+DOF = {1: 1, 2: 3, 3: 6}
+"""Velocities of a body by number of axes: along the axes, then about them."""
+INERTIA = {0: (), 1: (2,), 3: (0, 1, 2), 6: (0, 1, 2, 3, 4, 5)}
+"""Which of xx, yy, zz, xy, xz, yz a body gives, by how many numbers it gives."""
 
 
 @frozen
 class Layout:
-    """A model in one axis as indices and numbers.
+    """A model as indices and numbers.
 
     Arguments:
+        axes: of the model.
         bodies, joints: names.
         ends: (joint, 2) index of each joint's bodies.
         functions: of each joint, its law and then its factors.
-        slots: entries of the parameter vector that each parameter of a joint fills, by path.
+        places: where each parameter sits, by path.
         parameters: the parameter vector.
         offsets: (function + 1) where each function's parameters begin.
-        masses: kg by body, infinite for a fixed one.
-        points: (joint, 2) m, attachment from the centres of mass.
+        masses: kg by body, infinite for one that no force moves.
+        inertia: (body, 6) kg m2 about its own axes: xx, yy, zz, xy, xz, yz; 0 for one that no moment turns.
+        points: (joint, 2, axis) m, attachments in their bodies' frames.
+        normals: (joint, axis) of each joint's face, in one axis its direction; NaN where it has none.
         free_lengths: m by joint, NaN where it is the distance at t = 0.
-        position, velocity: by body, at t = 0.
+        start: (2, body, DOF) positions and velocities at t = 0.
+        quaternions: (body, 4) orientations at t = 0.
+        given: (knot, 1 + 4 n) what is given, see `Work.given`.
     """
 
+    axes: tuple[str, ...]
     bodies: tuple[str, ...]
     joints: tuple[str, ...]
-    ends: np.ndarray
+    ends: Integers
     functions: tuple[tuple[LawFunction, ...], ...]
-    slots: Mapping[str, tuple[int, ...]]
-    parameters: np.ndarray
-    offsets: np.ndarray
-    masses: np.ndarray
-    points: np.ndarray
-    free_lengths: np.ndarray
-    position: np.ndarray
-    velocity: np.ndarray
+    places: Mapping[str, Place]
+    parameters: Floats
+    offsets: Integers
+    masses: Floats
+    inertia: Floats
+    points: Floats
+    normals: Floats
+    free_lengths: Floats
+    start: Floats
+    quaternions: Floats
+    given: Floats
+
+    def place(self, path: str) -> Place:
+        """Where a parameter sits; raises CrashkitError for a path the model does not have."""
+        if path not in self.places:
+            raise CrashkitError(f"expected a parameter of the model, found {path}")
+        return self.places[path]
 
 
 def lay_out(model: Model, laws: Laws) -> Layout:
     """The layout of a model; raises CrashkitError for what cannot be simulated."""
-    if len(model.axes) != 1:
-        raise CrashkitError(f"model {model.name}: expected one axis, found {', '.join(model.axes)}")
     index = {body.name: i for i, body in enumerate(model.bodies)}
-    functions = tuple(tuple(functions_of_joint(joint, laws)) for joint in model.joints)
+    count, dof = len(model.axes), DOF[len(model.axes)]
+    functions = tuple(tuple(_functions(joint, laws)) for joint in model.joints)
     parameters: list[float] = []
     offsets = [0]
     slots: dict[str, tuple[int, ...]] = {}
@@ -59,28 +82,40 @@ def lay_out(model: Model, laws: Laws) -> Layout:
                 slots[path] = (*slots.get(path, ()), len(parameters))
                 parameters.append(value)
             offsets.append(len(parameters))
+    start, quaternions = _start(model, dof)
+    none = ((0.0,) * count,) * 2
     return Layout(
+        axes=model.axes,
         bodies=tuple(index),
         joints=tuple(joint.name for joint in model.joints),
         ends=np.array([[_index(joint, end, index) for end in joint.bodies] for joint in model.joints], int).reshape(-1, 2),
         functions=functions,
-        slots=slots,
+        places={path: ("parameters", (entries,)) for path, entries in slots.items()} | dict(_places(model)),
         parameters=np.array(parameters, float),
         offsets=np.array(offsets),
-        masses=np.array([_mass(body.name, body.mass, body.fixed) for body in model.bodies]),
-        points=np.array([joint.points or ((0.0,), (0.0,)) for joint in model.joints], float).reshape(-1, 2),
+        masses=np.array([_mass(body) for body in model.bodies]),
+        inertia=np.array([_inertia(body, count) for body in model.bodies]),
+        points=np.array([joint.points or none for joint in model.joints], float).reshape(-1, 2, count),
+        normals=np.array([joint.normal or (np.nan,) * count for joint in model.joints], float).reshape(-1, count),
         free_lengths=np.array([joint.free_length.value if joint.free_length else np.nan for joint in model.joints], float),
-        position=np.array([body.position[0] for body in model.bodies], float),
-        velocity=np.array([body.velocity[0] for body in model.bodies], float),
+        start=start,
+        quaternions=quaternions,
+        given=given_table(model, dof),
     )
 
 
 def functions_of(model: Model, laws: Laws) -> frozenset[LawFunction]:
     """The functions that an engine must hold to simulate a model; unite those of several models for one engine."""
-    return frozenset(function for joint in model.joints for function in functions_of_joint(joint, laws))
+    own = [function for joint in model.joints for function in _functions(joint, laws)]
+    return frozenset([*own, *(memory_rate(function) for function in own if function.law.memory)])
 
 
-def functions_of_joint(joint: Joint, laws: Laws) -> Iterator[LawFunction]:
+def memory_rate(function: LawFunction) -> LawFunction:
+    """The function that says how the memory of a law changes."""
+    return LawFunction(function.law, function.sizes, "memory_rate")
+
+
+def _functions(joint: Joint, laws: Laws) -> Iterator[LawFunction]:
     """The law of a joint and then its factors, with the lengths of their vectors."""
     for name in (joint.law, *joint.factors):
         law = laws.get(name)
@@ -127,9 +162,67 @@ def _index(joint: Joint, end: str, index: Mapping[str, int]) -> int:
     return index[end]
 
 
-def _mass(name: str, mass: Parameter | None, fixed: bool) -> float:
-    if fixed:
+def _mass(body: Body) -> float:
+    if body.fixed or body.motion is not None:
         return np.inf
-    if mass is None:
-        raise CrashkitError(f"body {name}: expected a mass, found nothing")
-    return mass.value
+    if body.mass is None:
+        raise CrashkitError(f"body {body.name}: expected a mass, found nothing")
+    return body.mass.value
+
+
+def _inertia(body: Body, axes: int) -> Floats:
+    values = np.zeros(6)
+    if axes > 1 and not body.fixed and body.motion is None:
+        if len(body.inertia) not in ((1,) if axes == 2 else (3, 6)):
+            expected = "one number" if axes == 2 else "3 or 6 numbers"
+            raise CrashkitError(f"body {body.name}: expected {expected} for inertia, found {len(body.inertia)}")
+        values[list(INERTIA[len(body.inertia)])] = [parameter.value for parameter in body.inertia]
+    return values
+
+
+def _start(model: Model, dof: int) -> tuple[Floats, Floats]:
+    """Positions, velocities and orientations at t = 0."""
+    count = len(model.axes)
+    start = np.zeros((2, len(model.bodies), dof))
+    quaternions = np.tile([1.0, 0.0, 0.0, 0.0], (len(model.bodies), 1))
+    for i, body in enumerate(model.bodies):
+        start[0, i, :count], start[1, i, :count] = body.position, body.velocity
+        if count == 2 and body.orientation:
+            start[0, i, 2] = body.orientation[0]
+        if count == 3 and body.orientation:
+            quaternions[i] = body.orientation
+        if count > 1 and body.angular_velocity:
+            start[1, i, count:] = body.angular_velocity
+        if body.motion is not None:
+            position, velocity, quaternion = imposed_start(body.motion, dof)
+            start[0, i, : position.size], start[1, i, : position.size] = position, velocity
+            quaternions[i] = quaternions[i] if quaternion is None else quaternion
+        if body.fixed:
+            start[1, i] = 0.0
+    return start, quaternions
+
+
+def _places(model: Model) -> Iterator[tuple[str, Place]]:
+    """Where the parameters that are not of laws sit, by path."""
+    count = len(model.axes)
+    for b, body in enumerate(model.bodies):
+        path = f"body.{body.name}"
+        yield f"{path}.mass", ("masses", (b,))
+        for name, row in (("position", 0), ("velocity", 1)):
+            yield from _indexed(f"{path}.{name}", [("start", (row, b, k)) for k in range(count)])
+        if count > 1:
+            yield from _indexed(f"{path}.inertia", [("inertia", (b, k)) for k in INERTIA[len(body.inertia)]])
+            for name, row in (("rotation", 0), ("angular_velocity", 1)):
+                yield from _indexed(f"{path}.{name}", [("start", (row, b, k)) for k in range(count, DOF[count])])
+    for j, joint in enumerate(model.joints):
+        yield f"joint.{joint.name}.free_length", ("free_lengths", (j,))
+        for end in range(2):
+            yield from _indexed(f"joint.{joint.name}.points[{end}]", [("points", (j, end, k)) for k in range(count)])
+
+
+def _indexed(path: str, places: list[Place]) -> Iterator[tuple[str, Place]]:
+    """One number has the path itself, several have it with an index."""
+    if len(places) == 1:
+        yield path, places[0]
+    else:
+        yield from ((f"{path}[{i}]", place) for i, place in enumerate(places))

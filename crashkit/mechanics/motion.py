@@ -6,58 +6,92 @@ import numpy as np
 import xarray as xr
 from xarray.indexes import PandasIndex
 
-from crashkit.mechanics.arrays import REST, Floats, Record, Work
+from crashkit.mechanics.kernel.arrays import Floats, Record
+from crashkit.mechanics.layout import DOF
+from crashkit.mechanics.run import normal_of
 
 UNITS = {
     "position": "m",
     "velocity": "m s-1",
     "acceleration": "m s-2",
+    "orientation": "1",
+    "rotation": "1",
+    "angular_velocity": "rad s-1",
+    "angular_acceleration": "rad s-2",
     "deformation": "m",
     "deformation_rate": "m s-1",
     "force": "N",
     "contact_force": "N",
+    "contact_moment": "N m",
 }
-BY_BODY = ("position", "velocity", "acceleration", "contact_force")
+BY_BODY = (
+    ("position", "rotation"),
+    ("velocity", "angular_velocity"),
+    ("acceleration", "angular_acceleration"),
+    ("contact_force", "contact_moment"),
+)
+BY_JOINT = ("deformation", "deformation_rate", "force")
+XYZ = ("x", "y", "z")
 
 
-def motion_of(record: Record, work: Work, times: Floats, names: xr.Coordinates, paths: Sequence[str]) -> xr.Dataset:
+def motion_of(
+    record: Record, times: Floats, axes: Sequence[str], names: xr.Coordinates, paths: Sequence[str]
+) -> xr.Dataset:
     """The motion that a run recorded.
 
     Arguments:
         record: of the kernel.
-        work: the arrays of the run.
         times: s.
+        axes: of the model.
         names: coordinates `body`, `axis` and `joint`, and `joint_bodies`.
         paths: the parameters that the sensitivities are to.
     """
-    joints, count = work.joints, work.bodies.size
-    incidence = np.zeros((count, joints.size))
-    incidence[joints["first"], np.arange(joints.size)] -= joints["direction"]
-    incidence[joints["second"], np.arange(joints.size)] += joints["direction"]
-    position, velocity, acceleration = (record.state[:, start : start + count] for start in (0, count, 2 * count))
-    arrays = {
-        "position": position,
-        "velocity": velocity,
-        "acceleration": acceleration,
-        "deformation": joints["rest"] - position @ incidence,
-        "deformation_rate": -velocity @ incidence,
-        "force": record.force,
-        "contact_force": record.force @ incidence.T,
-    }
+    count = names["joint"].size, names["body"].size
+    arrays, rest = _quantities(record.values, axes, *count)
+    if len(axes) == 3:
+        arrays["orientation"] = rest.reshape(len(times), -1, 4)
+    if len(axes) == 2:
+        arrays["orientation"] = _turned(arrays["rotation"], normal_of(axes))
+    arrays.pop("rotation", None)
     indexes = [_index("time", times, {"units": "s"})]
     if paths:
         indexes.append(_index("parameter", np.array(paths, dtype=str), {}))
-        position, velocity, acceleration = (record.tangent[:, start : start + count] for start in (0, count, 2 * count))
-        arrays |= {
-            "position_sensitivity": position,
-            "velocity_sensitivity": velocity,
-            "acceleration_sensitivity": acceleration,
-            "contact_force_sensitivity": incidence @ record.force_tangent,
-            "force_sensitivity": record.force_tangent,
-            "deformation_sensitivity": work.joint_tangent[:, REST] - incidence.T @ position,
-        }
+        tangents, _ = _quantities(record.tangents, axes, *count)
+        arrays |= {f"{name}_sensitivity": values for name, values in tangents.items()}
     variables = {name: _variable(name, values) for name, values in arrays.items()}
     return xr.Dataset(variables, _extended(names, indexes))
+
+
+def _quantities(entries: Floats, axes: Sequence[str], joints: int, bodies: int) -> tuple[dict[str, Floats], Floats]:
+    """Quantities (time, body or joint, ...) from the entries of a record (time, entry, ...), and the entries left over."""
+    dof = DOF[len(axes)]
+    n = dof * bodies
+    quaternions = 4 * bodies if len(axes) == 3 and entries.ndim == 2 else 0
+    twice = entries.shape[1] - 3 * joints - n - quaternions
+    state, by_joint, net, rest = np.split(entries, np.cumsum([twice, 3 * joints, n]), axis=1)
+    arrays = {name: by_joint[:, i::3] for i, name in enumerate(("force", "deformation", "deformation_rate"))}
+    parts = (state[:, :n], state[:, n : 2 * n], state[:, twice // 2 + n : twice // 2 + 2 * n], net)
+    for (straight, turning), values in zip(BY_BODY, parts, strict=True):
+        values = values.reshape(values.shape[0], bodies, dof, *values.shape[2:])
+        if len(axes) == 1:
+            arrays[straight] = values
+        elif len(axes) == 3:
+            arrays[straight], arrays[turning] = values[:, :, :3], values[:, :, 3:]
+        else:
+            arrays[straight] = _in_space(values[:, :, :2], np.eye(3)[[XYZ.index(axis) for axis in axes]])
+            arrays[turning] = _in_space(values[:, :, 2:], normal_of(axes)[None])
+    return arrays, rest
+
+
+def _in_space(values: Floats, directions: Floats) -> Floats:
+    """Components (time, body, direction, ...) along some directions as a vector in space."""
+    return np.moveaxis(np.tensordot(values, directions, (2, 0)), -1, 2)
+
+
+def _turned(rotation: Floats, normal: Floats) -> Floats:
+    """The quaternions of rotations about a normal."""
+    half = 0.5 * rotation @ normal
+    return np.concatenate([np.cos(half)[..., None], np.sin(half)[..., None] * normal], axis=2)
 
 
 def _index(name: str, values: np.ndarray, attributes: Mapping[str, str]) -> tuple[PandasIndex, dict[Hashable, xr.Variable]]:
@@ -77,7 +111,5 @@ def _extended(names: xr.Coordinates, indexes: Sequence[tuple[PandasIndex, dict[H
 def _variable(name: str, values: Floats) -> xr.Variable:
     quantity = name.removesuffix("_sensitivity")
     columns = ("parameter",) if quantity != name else ()
-    if quantity in BY_BODY:
-        values = values[:, :, np.newaxis]
-        return xr.Variable(("time", "body", "axis", *columns), values, {"units": UNITS[quantity]})
-    return xr.Variable(("time", "joint", *columns), values, {"units": UNITS[quantity]})
+    dims = ("joint",) if quantity in BY_JOINT else ("body", "quaternion" if quantity == "orientation" else "axis")
+    return xr.Variable(("time", *dims, *columns), values, {"units": UNITS[quantity]})

@@ -5,143 +5,171 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 from attrs import evolve
+from scipy.spatial.transform import Rotation
 
-from crashkit.errors import CrashkitError
-from crashkit.mechanics.arrays import BODY, D_MAX, FUNCTION, JOINT, REST, STAGES, START, Floats, Record, Records, Work
 from crashkit.mechanics.engine import Engine
-from crashkit.mechanics.layout import Layout
+from crashkit.mechanics.kernel.arrays import BODY, FUNCTION, JOINT, REST, STAGES, START, Floats, Record, Records, Work
+from crashkit.mechanics.layout import DOF, Layout, memory_rate
+
+ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+"""Where xx, yy, zz, xy, xz and yz stand in the inertia."""
 
 
 def prepare(layout: Layout, values: Mapping[str, float], initial: xr.Dataset | None) -> Layout:
     """The layout of one run: the model's, then the recording's initial state, then the values given by path."""
-    layout = evolve(
-        layout,
-        parameters=layout.parameters.copy(),
-        masses=layout.masses.copy(),
-        free_lengths=layout.free_lengths.copy(),
-        position=_initial(layout, "position", initial),
-        velocity=_initial(layout, "velocity", initial),
-    )
+    start, quaternions = _initial(layout, initial)
+    arrays = {
+        "parameters": layout.parameters.copy(),
+        "masses": layout.masses.copy(),
+        "inertia": layout.inertia.copy(),
+        "points": layout.points.copy(),
+        "free_lengths": layout.free_lengths.copy(),
+        "start": start,
+    }
     for path, value in values.items():
         if not path.startswith("instrument."):
-            array, entries = _place(layout, path)
-            array[list(entries)] = value
-    return layout
+            name, index = layout.place(path)
+            arrays[name][index] = value
+    return evolve(layout, quaternions=quaternions, **arrays)
 
 
-def _initial(layout: Layout, name: str, initial: xr.Dataset | None) -> Floats:
-    values: Floats = getattr(layout, name).copy()
-    if initial is not None:
-        index = {body: i for i, body in enumerate(layout.bodies)}
-        for body, row in zip(initial["body"].values.tolist(), initial.variables[name].values, strict=True):
-            if body in index:
-                values[index[body]] = np.ravel(row)[0]
-    return values
+def _initial(layout: Layout, initial: xr.Dataset | None) -> tuple[Floats, Floats]:
+    start, quaternions = layout.start.copy(), layout.quaternions.copy()
+    if initial is None:
+        return start, quaternions
+    index = {body: i for i, body in enumerate(layout.bodies)}
+    rows = [i for i, body in enumerate(initial["body"].values.tolist()) if body in index]
+    own = [index[body] for body in initial["body"].values.tolist() if body in index]
+    moving = [i for i, b in enumerate(own) if np.isfinite(layout.masses[b])]
+    axes = len(layout.axes)
+    letters = initial["axis"].values.tolist()
+    columns = [letters.index(axis) for axis in layout.axes]
+    start[0, own, :axes] = initial.variables["position"].values[rows][:, columns]
+    velocity = initial.variables["velocity"].values[rows][:, columns]
+    start[1, [own[i] for i in moving], :axes] = velocity[moving]
+    if axes > 1:
+        _initial_rotation(layout, initial, rows, own, start, quaternions)
+    return start, quaternions
 
 
-def _place(layout: Layout, path: str) -> tuple[Floats, tuple[int, ...]]:
-    """The array that holds a parameter, and its entries there; raises CrashkitError for a path the model does not have."""
-    if path in layout.slots:
-        return layout.parameters, layout.slots[path]
-    kind, _, rest = path.partition(".")
-    name, _, quantity = rest.rpartition(".")
-    arrays = {
-        ("body", "mass"): layout.masses,
-        ("body", "position"): layout.position,
-        ("body", "velocity"): layout.velocity,
-        ("joint", "free_length"): layout.free_lengths,
-    }
-    names = layout.bodies if kind == "body" else layout.joints
-    if (kind, quantity) not in arrays or name not in names:
-        raise CrashkitError(f"expected a parameter of the model, found {path}")
-    return arrays[kind, quantity], (names.index(name),)
+def _initial_rotation(
+    layout: Layout, initial: xr.Dataset, rows: list[int], own: list[int], start: Floats, quaternions: Floats
+) -> None:
+    axes = len(layout.axes)
+    if "orientation" in initial:
+        orientation = initial.variables["orientation"].values[rows]
+        if axes == 3:
+            quaternions[own] = orientation
+        else:
+            start[0, own, 2] = Rotation.from_quat(orientation, scalar_first=True).as_rotvec() @ normal_of(layout.axes)
+    if "angular_velocity" in initial:
+        rates = initial.variables["angular_velocity"].values[rows]
+        start[1, own, axes:] = rates if axes == 3 else (rates @ normal_of(layout.axes))[:, None]
+
+
+def normal_of(axes: Sequence[str]) -> Floats:
+    """The axis about which angles of a plane are positive: its first axis turns to its second."""
+    first, second = (np.eye(3)["xyz".index(axis)] for axis in axes)
+    return np.cross(first, second)
 
 
 def work_of(layout: Layout, engine: Engine, paths: Sequence[str]) -> Work:
     """The arrays of a run at t = 0, its branches not yet chosen, with a column of derivatives for each of `paths`."""
-    bodies, joints, functions = _bodies(layout), _joints(layout), _functions(layout, engine)
-    shape = (STAGES, 3 * bodies.size)
+    dof = DOF[len(layout.axes)]
+    n, columns = dof * len(layout.bodies), len(paths)
+    functions = _functions(layout, engine, 2 * n)
+    size = 2 * n + int(np.count_nonzero(functions["memory"] >= 0))
     widest = max(functions["count"], default=0)
     work = Work(
-        bodies=bodies,
-        joints=joints,
+        bodies=_bodies(layout),
+        joints=_joints(layout),
         functions=functions,
         parameters=layout.parameters,
-        state=np.zeros(shape),
+        given=layout.given,
+        state=np.zeros((STAGES, 2 * size)),
         columns=np.full(layout.parameters.size, -1),
-        tangent=np.zeros((*shape, len(paths))),
-        joint_tangent=np.zeros((joints.size, 3, len(paths))),
-        partials=np.zeros((functions.size, 3 + widest)),
+        partials=np.zeros((functions.size, 4 + widest)),
+        tangent=np.zeros((STAGES, 2 * size, columns)),
+        joint_tangent=np.zeros((len(layout.joints), 5, columns)),
+        net_tangent=np.zeros((n if columns else 0, columns)),
     )
-    work.state[START, : 2 * bodies.size] = *layout.position, *np.where(np.isinf(layout.masses), 0.0, layout.velocity)
+    work.state[START, : 2 * n] = layout.start.ravel()
     for column, path in enumerate(paths):
         _seed(layout, work, path, column)
-    _set_memory(layout, work)
     return work
 
 
-def record_of(work: Work, times: int) -> Record:
+def record_of(work: Work, axes: int, times: int) -> Record:
     """Room for the results."""
     _, entries, columns = work.tangent.shape
-    rows = times if columns else 0
-    return Record(
-        state=np.empty((times, entries)),
-        force=np.empty((times, work.joints.size)),
-        tangent=np.empty((rows, entries, columns)),
-        force_tangent=np.empty((rows, work.joints.size, columns)),
-    )
+    entries += 3 * work.joints.size + DOF[axes] * work.bodies.size
+    turns = 4 * work.bodies.size if axes == 3 else 0
+    return Record(np.empty((times, entries + turns)), np.empty((times if columns else 0, entries, columns)))
 
 
 def _bodies(layout: Layout) -> Records:
     bodies = np.zeros(len(layout.bodies), BODY)
     bodies["inverse_mass"] = 1.0 / layout.masses
     bodies["mass_column"] = -1
+    bodies["inertia_columns"] = -1
+    bodies["frame"][:, 9:] = layout.quaternions
+    if len(layout.axes) == 2:
+        turning = layout.inertia[:, 2] > 0.0
+        bodies["inertia"][:, 0, 2, 2] = layout.inertia[:, 2]
+        bodies["inertia"][turning, 1, 2, 2] = 1.0 / layout.inertia[turning, 2]
+    if len(layout.axes) == 3:
+        turning = np.any(layout.inertia > 0.0, axis=1)
+        for entry, (i, k) in enumerate(ENTRIES):
+            bodies["inertia"][:, 0, i, k] = bodies["inertia"][:, 0, k, i] = layout.inertia[:, entry]
+        bodies["inertia"][turning, 1] = np.linalg.inv(bodies["inertia"][turning, 0])
     return bodies
 
 
 def _joints(layout: Layout) -> Records:
     joints = np.zeros(len(layout.joints), JOINT)
-    first, second = layout.ends.T
-    offset = layout.points[:, 1] - layout.points[:, 0]
-    apart = layout.position[second] - layout.position[first]
-    direction = np.where(apart + offset < 0.0, -1.0, 1.0)
+    axes = len(layout.axes)
     bounds = np.cumsum([0, *map(len, layout.functions)])
-    joints["first"], joints["second"], joints["direction"] = first, second, direction
-    joints["rest"] = np.where(np.isnan(layout.free_lengths), direction * apart, layout.free_lengths - direction * offset)
+    joints["first"], joints["second"] = layout.ends.T
+    joints["places"].reshape(-1, 3, 3)[:, :2, :axes] = layout.points
+    joints["places"][:, 6 : 6 + axes] = layout.normals
+    joints["face"] = np.isfinite(layout.normals[:, 0])
+    if axes == 1:
+        ends = layout.start[0, layout.ends, 0] + layout.points[:, :, 0]
+        joints["places"][:, 6] = np.where(ends[:, 1] < ends[:, 0], -1.0, 1.0)
+    joints["point_columns"] = -1
+    joints["rest"] = layout.free_lengths
     joints["start"], joints["stop"] = bounds[:-1], bounds[1:]
     return joints
 
 
-def _functions(layout: Layout, engine: Engine) -> Records:
+def _functions(layout: Layout, engine: Engine, memories: int) -> Records:
     functions = np.zeros(layout.offsets.size - 1, FUNCTION)
-    functions["number"] = [engine.numbers[function] for own in layout.functions for function in own]
+    own = [function for joint in layout.functions for function in joint]
+    functions["number"] = [engine.numbers[function] for function in own]
     functions["offset"], functions["count"] = layout.offsets[:-1], np.diff(layout.offsets)
+    functions["memory"] = -1
+    for f, function in enumerate(own):
+        if function.law.memory:
+            functions["memory"][f] = memories
+            functions["memory_number"][f] = engine.numbers[memory_rate(function)]
+            memories += 1
     return functions
 
 
 def _seed(layout: Layout, work: Work, path: str, column: int) -> None:
     """Make a column the derivatives to one parameter."""
-    array, entries = _place(layout, path)
-    first = entries[0]
-    if array is layout.parameters:
-        work.columns[list(entries)] = column
-    elif array is layout.masses:
-        work.bodies["mass_column"][first] = column
-    elif array is layout.free_lengths:
-        work.joint_tangent[first, REST, column] = 1.0
-    elif array is layout.velocity:
-        work.tangent[START, work.bodies.size + first, column] = np.isfinite(layout.masses[first])
-    else:
-        work.tangent[START, first, column] = 1.0
-        ends = (work.joints["second"] == first).astype(float) - (work.joints["first"] == first)
-        work.joint_tangent[:, REST, column] = np.isnan(layout.free_lengths) * work.joints["direction"] * ends
-
-
-def _set_memory(layout: Layout, work: Work) -> None:
-    """A joint remembers the deformation that it begins with, if it is compressed."""
-    joints, tangent = work.joints, work.tangent[START]
-    apart = layout.position[joints["second"]] - layout.position[joints["first"]]
-    deformation = joints["rest"] - joints["direction"] * apart
-    joints["d_max"] = np.maximum(0.0, deformation)
-    moved = joints["direction"][:, np.newaxis] * (tangent[joints["second"]] - tangent[joints["first"]])
-    work.joint_tangent[:, D_MAX] = np.where(deformation[:, np.newaxis] > 0.0, work.joint_tangent[:, REST] - moved, 0.0)
+    name, index = layout.place(path)
+    _, bodies, dof = layout.start.shape
+    match name, index:
+        case "parameters", (entries,):
+            work.columns[list(entries)] = column
+        case "masses", (body,):
+            work.bodies["mass_column"][body] = column
+        case "inertia", (body, entry):
+            work.bodies["inertia_columns"][body, entry] = column
+        case "free_lengths", (joint,):
+            work.joint_tangent[joint, REST, column] = 1.0
+        case "points", (joint, end, axis):
+            work.joints["point_columns"][joint, len(layout.axes) * end + axis] = column
+        case _, (row, body, k):
+            work.tangent[START, dof * (bodies * row + body) + k, column] = row == 0 or np.isfinite(layout.masses[body])

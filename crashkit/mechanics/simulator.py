@@ -1,4 +1,4 @@
-"""Simulation of a model in one axis, with sensitivities to any of its parameters."""
+"""Simulation of a model, with sensitivities to any of its parameters."""
 
 from collections.abc import Mapping, Sequence
 
@@ -7,40 +7,47 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from crashkit.errors import CrashkitError, SimulationError
-from crashkit.mechanics.arrays import Floats
 from crashkit.mechanics.engine import Engine, compile_engine
-from crashkit.mechanics.kernel import DONE, NOT_FINITE
+from crashkit.mechanics.kernel.arrays import Floats, Record
+from crashkit.mechanics.kernel.run import DONE, MEETING, NOT_FINITE
 from crashkit.mechanics.layout import Laws, functions_of, lay_out
-from crashkit.mechanics.motion import motion_of
+from crashkit.mechanics.motion import XYZ, motion_of
 from crashkit.mechanics.run import prepare, record_of, work_of
 from crashkit.model import Model
+
+NO_HISTORY = np.empty((0, 0))
+"""Of the steps, which only the adjoint needs."""
 
 
 class Simulator:
     """Runs one model again and again, with other values, initial states and times.
 
     Arguments:
-        model: in one axis.
+        model: in one, two or three axes.
         laws: the spring laws and factors by name.
-        engine: one that holds the model's functions (see `functions_of`), to share between models; None: one of its own.
+        engine: one for as many axes that holds the model's functions (see `functions_of`), to share between models; None: one of
+            its own.
 
     Raises:
-        CrashkitError: the model cannot be simulated: a law that is not installed, a parameter without a value, several axes.
+        CrashkitError: the model cannot be simulated: a law that is not installed, a parameter without a value.
     """
 
     def __init__(self, model: Model, laws: Laws, engine: Engine | None = None) -> None:
         self.model = model
         self._layout = lay_out(model, laws)
-        self.engine = compile_engine(functions_of(model, laws)) if engine is None else engine
+        self.engine = compile_engine(functions_of(model, laws), len(model.axes)) if engine is None else engine
         missing = functions_of(model, laws) - self.engine.numbers.keys()
         if missing:
             names = ", ".join(sorted(f"{function.law.name} {function.sizes}" for function in missing))
             raise CrashkitError(f"model {model.name}: expected an engine that holds its functions, found none for {names}")
+        if self.engine.axes != len(model.axes):
+            found = f"one for {self.engine.axes}"
+            raise CrashkitError(f"model {model.name}: expected an engine for {len(model.axes)} axes, found {found}")
         ends = np.array([joint.bodies for joint in model.joints], dtype=str).reshape(-1, 2)
         self._names = xr.Coordinates(
             {
                 "body": list(self._layout.bodies),
-                "axis": list(model.axes),
+                "axis": list(model.axes if len(model.axes) == 1 else XYZ),
                 "joint": np.array(self._layout.joints, dtype=str),
                 "joint_bodies": (("joint", "end"), ends),
             }
@@ -58,35 +65,58 @@ class Simulator:
 
         Arguments:
             times: s, increasing, 0 or later; they need not be uniform.
-            values: by path, instead of the model's; also `body.NAME.position` and `body.NAME.velocity`. Those of instruments
-                are ignored.
-            initial: `position(body, axis)` and `velocity(body, axis)` at t = 0 of some or all bodies, instead of the model's.
+            values: by path, instead of the model's. Besides the model's own parameters, with [i] for an axis where there are
+                several: `body.NAME.position`, `.velocity`, `.rotation` (a small rotation from the orientation at t = 0) and
+                `.angular_velocity`, `joint.NAME.points[end]`. Those of instruments are ignored.
+            initial: `position(body, axis)` and `velocity(body, axis)` at t = 0 of some or all bodies, instead of the model's; in
+                several axes also `orientation(body, quaternion)` and `angular_velocity(body, axis)`, if they are there.
             sensitivities: paths of the parameters to differentiate to.
             step: s, longest step of the integration.
 
         Returns:
             A motion of all bodies, with `deformation`, `deformation_rate` and `force` by joint, `contact_force`, the net force
-            of its joints on each body, and the coordinate `joint_bodies(joint, end)`; with sensitivities also
-            `<quantity>_sensitivity`, each with a last dim `parameter`, of all of these but the deformation rate.
+            of its joints on each body, and the coordinate `joint_bodies(joint, end)`. Plane motion and space have all three
+            axes, and also `orientation`, `angular_velocity`, `angular_acceleration` and `contact_moment`. With sensitivities also
+            `<quantity>_sensitivity`, each with a last dim `parameter`, of all of these; that of the
+            orientation is `rotation_sensitivity`, a small rotation vector in the laboratory frame.
 
         Raises:
             CrashkitError: a path the model does not have, or times that cannot be used.
             SimulationError: the motion is not finite, or it does not get past some time.
         """
         instants = _checked(times)
+        record = self.record(instants, values, initial, sensitivities, step)
+        return motion_of(record, instants, self.model.axes, self._names, sensitivities)
+
+    def record(
+        self,
+        times: Floats,
+        values: Mapping[str, float] | None = None,
+        initial: xr.Dataset | None = None,
+        sensitivities: Sequence[str] = (),
+        step: float = 1e-4,
+    ) -> Record:
+        """The same as plain arrays, without the cost of a Dataset; arguments as of `run`, the times unchecked."""
         layout = prepare(self._layout, values or {}, initial)
         work = work_of(layout, self.engine, sensitivities)
-        record = record_of(work, instants.size)
-        status, joint, t = self.engine.module.integrate(instants, float(step), *work, *record)
+        instants = np.union1d(times, layout.given[layout.given[:, 0] < times[-1], 0]) if len(layout.given) > 1 else times
+        record = record_of(work, len(layout.axes), instants.size)
+        status, joint, t, _ = self.engine.module.integrate(instants, float(step), *work, *record, NO_HISTORY)
         if status != DONE:
             raise SimulationError(self._failure(status, joint, t))
-        return motion_of(record, work, instants, self._names, sensitivities)
+        if instants is times:
+            return record
+        asked = np.searchsorted(instants, times)
+        return Record(*(array[asked] if array.shape[0] else array for array in record))
 
     def _failure(self, status: int, number: int, t: float) -> str:
         joint = self.model.joints[number]
         place = f"joint {joint.name} between {joint.bodies[0]} and {joint.bodies[1]} at t = {t:.6g} s"
         if status == NOT_FINITE:
             return f"model {self.model.name}: the force of {place} is not finite"
+        if status == MEETING:
+            remedy = "the line between them has no direction; give the joint a normal if it is a contact with a face"
+            return f"model {self.model.name}: the attachments of {place} meet: {remedy}"
         return f"model {self.model.name}: no progress past the branches of {place}: its law may jump there"
 
 

@@ -6,40 +6,18 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from crashkit.data.schema import Attribute, GroupSchema, Variable
 from crashkit.data.validate import check
 from crashkit.errors import ContractError, Fault
 from crashkit.model.body import Body
+from crashkit.model.dataset_given import forces_to_columns, given_force, given_motion, motions_to_columns
+from crashkit.model.dataset_schema import MODEL
 from crashkit.model.instrument import InstrumentErrors
 from crashkit.model.joint import Joint
 from crashkit.model.model import Model
 from crashkit.model.parameter import Parameter
+from crashkit.model.pose import ORIENTATION, ROTATION
 
-MODEL = GroupSchema(
-    "model",
-    (
-        Variable("body_position", ("body", "axis"), "m", "centre of mass at t = 0"),
-        Variable("body_velocity", ("body", "axis"), "m s-1", "at t = 0"),
-        Variable("body_fixed", ("body",), None, "whether it is held in place", kind="flag"),
-        Variable("body_carrier", ("body",), None, "the body that it moves with until t = 0; empty for none", kind="text"),
-        Variable("joint_bodies", ("joint", "end"), None, "names of the two bodies", kind="text"),
-        Variable("joint_points", ("joint", "end", "axis"), "m", "attachment in each body's frame", allow_nan=True),
-        Variable("joint_law", ("joint",), None, "name of the spring law", kind="text"),
-        Variable("factor_joint", ("factor",), None, "the joint whose law it multiplies", kind="text"),
-        Variable("factor_law", ("factor",), None, "name of the factor", kind="text"),
-        Variable("instrument_group", ("instrument",), None, "group of the recordings", kind="text"),
-        Variable("instrument_sensor", ("instrument",), None, "sensor or marker; empty for the whole instrument", kind="text"),
-        Variable("value", ("parameter",), None, "in the unit that its plugin declares"),
-        Variable("lower", ("parameter",), None, "lower bound", allow_infinite=True),
-        Variable("upper", ("parameter",), None, "upper bound", allow_infinite=True),
-        Variable("fixed", ("parameter",), None, "whether it is held in an identification", kind="flag"),
-        Variable("owner_kind", ("parameter",), None, "body, joint or instrument", kind="text"),
-        Variable("owner_index", ("parameter",), None, "which one, from 0"),
-        Variable("parameter_name", ("parameter",), None, "as its owner calls it", kind="text"),
-        Variable("parameter_index", ("parameter",), None, "place in a list, from 0; -1 for a single number"),
-    ),
-    (Attribute("crashkit_schema", "the version of the contract", ("crashkit-model/1",)), Attribute("name", "of the model")),
-)
+__all__ = ["MODEL", "model_from_dataset", "model_to_dataset"]
 
 _UNITS = {variable.name: {"units": variable.units} for variable in MODEL.variables if variable.units is not None}
 
@@ -69,6 +47,9 @@ def model_to_dataset(model: Model) -> xr.Dataset:
         "owner_index": np.array([owner for _, owner, *_ in rows], dtype=np.int64),
         "parameter_name": _text([name for _, _, name, *_ in rows]),
         "parameter_index": np.array([index for *_, index, _ in rows], dtype=np.int64),
+        **_plane_and_space(model),
+        **motions_to_columns(model),
+        **forces_to_columns(model),
     }
     dims = {variable.name: variable.dims for variable in MODEL.variables}
     coords = {
@@ -94,6 +75,7 @@ def model_from_dataset(dataset: xr.Dataset, source: str = "dataset") -> Model:
     return Model(
         name=str(dataset.attrs["name"]),
         axes=tuple(columns["axis"]),
+        gravity=tuple(columns.get("gravity", ())),
         bodies=tuple(_body(columns, index) for index in range(dataset.sizes["body"])),
         joints=tuple(_joint(columns, index) for index in range(dataset.sizes["joint"])),
         instruments=tuple(
@@ -110,16 +92,39 @@ def _rows(model: Model) -> Iterator[tuple[str, int, str, int, Parameter]]:
     for owner, body in enumerate(model.bodies):
         if body.mass is not None:
             yield "body", owner, "mass", -1, body.mass
+        yield from _entries("body", owner, "inertia", body.inertia[0] if len(body.inertia) == 1 else body.inertia)
     for owner, joint in enumerate(model.joints):
         if joint.free_length is not None:
             yield "joint", owner, "free_length", -1, joint.free_length
         for name, value in joint.parameters.items():
-            if isinstance(value, Parameter):
-                yield "joint", owner, name, -1, value
-            else:
-                yield from (("joint", owner, name, index, entry) for index, entry in enumerate(value))
+            yield from _entries("joint", owner, name, value)
     for owner, errors in enumerate(model.instruments):
         yield from (("instrument", owner, name, -1, parameter) for name, parameter in errors.parameters.items())
+
+
+def _entries(
+    kind: str, owner: int, name: str, value: Parameter | tuple[Parameter, ...]
+) -> Iterator[tuple[str, int, str, int, Parameter]]:
+    if isinstance(value, Parameter):
+        yield kind, owner, name, -1, value
+    else:
+        yield from ((kind, owner, name, index, entry) for index, entry in enumerate(value))
+
+
+def _plane_and_space(model: Model) -> dict[str, np.ndarray]:
+    """What one axis knows nothing of, and gravity: only what some part of the model has."""
+    axes, bodies, joints = len(model.axes), model.bodies, model.joints
+    columns = {
+        "body_orientation": _optional([body.orientation for body in bodies], ORIENTATION[axes]),
+        "body_angular_velocity": _optional([body.angular_velocity for body in bodies], ROTATION[axes]),
+        "joint_normal": _optional([joint.normal or () for joint in joints], axes),
+    }
+    gravity = {"gravity": np.array(model.gravity)} if model.gravity else {}
+    return gravity | {name: column for name, column in columns.items() if not np.isnan(column).all()}
+
+
+def _optional(rows: list[tuple[float, ...]], size: int) -> np.ndarray:
+    return np.array([row or (np.nan,) * size for row in rows], dtype=float).reshape(len(rows), size)
 
 
 def _points(joint: Joint, axes: int) -> object:
@@ -149,13 +154,20 @@ def _check_owners(dataset: xr.Dataset, source: str) -> None:
 
 
 def _body(columns: dict[str, list[Any]], index: int) -> Body:
+    name, parameters = columns["body"][index], _owned(columns, "body", index)
+    inertia = parameters.get("inertia", ())
     return Body(
-        name=columns["body"][index],
+        name=name,
         position=tuple(columns["body_position"][index]),
         velocity=tuple(columns["body_velocity"][index]),
-        mass=_owned(columns, "body", index).get("mass"),
+        mass=parameters.get("mass"),
         fixed=bool(columns["body_fixed"][index]),
         carrier=columns["body_carrier"][index],
+        inertia=(inertia,) if isinstance(inertia, Parameter) else inertia,
+        orientation=_row(columns, "body_orientation", index),
+        angular_velocity=_row(columns, "body_angular_velocity", index),
+        motion=given_motion(columns, name),
+        force=given_force(columns, name),
     )
 
 
@@ -172,7 +184,14 @@ def _joint(columns: dict[str, list[Any]], index: int) -> Joint:
         parameters=parameters,
         factors=tuple(factor for joint, factor in factors if joint == name),
         points=None if np.isnan(points).all() else (tuple(points[0]), tuple(points[1])),
+        normal=_row(columns, "joint_normal", index) or None,
     )
+
+
+def _row(columns: dict[str, list[Any]], name: str, index: int) -> tuple[float, ...]:
+    """A row of an optional variable; empty where it is missing."""
+    row = columns[name][index] if name in columns else []
+    return () if np.isnan(row).all() else tuple(row)
 
 
 def _owned(columns: dict[str, list[Any]], kind: str, owner: int) -> dict[str, Any]:

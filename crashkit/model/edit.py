@@ -16,6 +16,12 @@ def with_joint(model: Model, joint: Joint) -> Model:
     return evolve(model, joints=(*model.joints, joint))
 
 
+def without_joint(model: Model, joint: str) -> Model:
+    """The model without one of its joints; raises KeyError for one it does not have."""
+    removed = model.joint(joint)
+    return evolve(model, joints=tuple(other for other in model.joints if other != removed))
+
+
 def with_body(model: Model, body: Body) -> Model:
     """The model with one more body."""
     return evolve(model, bodies=(*model.bodies, body))

@@ -14,8 +14,15 @@ from crashkit.model.parameter import Parameter
 class Model:
     """A structure as rigid bodies joined by springs (Mizzi & Jezequel 1992, eq 2-11).
 
-    Every number that could be identified has a path: `body.NAME.mass`, `joint.NAME.PARAMETER`, `joint.NAME.PARAMETER[i]`,
-    `joint.NAME.free_length`, `instrument.GROUP.SENSOR.PARAMETER` (SENSOR empty for the whole instrument).
+    Every number that could be identified has a path: `body.NAME.mass`, `body.NAME.inertia` (in space `body.NAME.inertia[i]`),
+    `joint.NAME.PARAMETER`, `joint.NAME.PARAMETER[i]`, `joint.NAME.free_length`, `instrument.GROUP.SENSOR.PARAMETER` (SENSOR empty
+    for the whole instrument).
+
+    Arguments:
+        name: for people.
+        axes: one, two (plane motion) or three (space) of x, y, z, in this order.
+        bodies, joints, instruments: the parts.
+        gravity: m s-2, one value for each axis; (): none.
     """
 
     name: str
@@ -23,6 +30,7 @@ class Model:
     bodies: tuple[Body, ...]
     joints: tuple[Joint, ...]
     instruments: tuple[InstrumentErrors, ...] = field(default=())
+    gravity: tuple[float, ...] = field(default=())
 
     def body(self, name: str) -> Body:
         """The body of that name; raises KeyError."""
@@ -61,6 +69,7 @@ class Model:
         for body in self.bodies:
             if body.mass is not None:
                 yield f"body.{body.name}.mass", body.mass
+            yield from _inertia(body)
         for joint in self.joints:
             if joint.free_length is not None:
                 yield f"joint.{joint.name}.free_length", joint.free_length
@@ -71,6 +80,11 @@ class Model:
                 yield f"instrument.{errors.instrument}.{errors.sensor}.{name}", parameter
 
 
+def _inertia(body: Body) -> Iterator[tuple[str, Parameter]]:
+    path = f"body.{body.name}.inertia"
+    return _entries(path, body.inertia[0] if len(body.inertia) == 1 else body.inertia)
+
+
 def _entries(path: str, value: Parameter | tuple[Parameter, ...]) -> Iterator[tuple[str, Parameter]]:
     if isinstance(value, Parameter):
         yield path, value
@@ -79,7 +93,9 @@ def _entries(path: str, value: Parameter | tuple[Parameter, ...]) -> Iterator[tu
 
 
 def _replace_body(body: Body, changes: Mapping[str, Parameter]) -> Body:
-    return evolve(body, mass=changes.get(f"body.{body.name}.mass", body.mass))
+    known = dict(_inertia(body))
+    inertia = tuple(changes.get(path, parameter) for path, parameter in known.items())
+    return evolve(body, mass=changes.get(f"body.{body.name}.mass", body.mass), inertia=inertia)
 
 
 def _replace_joint(joint: Joint, changes: Mapping[str, Parameter]) -> Joint:

@@ -1,23 +1,27 @@
 """Models as TOML: what people read and write."""
 
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from attrs import evolve, frozen
+import numpy as np
+from attrs import evolve
 
 from crashkit.data.files import atomic_write
-from crashkit.data.validate import names, shown
+from crashkit.data.validate import shown
 from crashkit.errors import ContractError, CrashkitError, Fault
 from crashkit.model.body import Body
 from crashkit.model.checks import check_model, instrument_place, model_faults, place, specs_of
+from crashkit.model.given import GivenForce, GivenMotion, Rows
 from crashkit.model.instrument import InstrumentErrors
 from crashkit.model.joint import Joint
 from crashkit.model.model import Model
 from crashkit.model.parameter import Parameter
+from crashkit.model.pose import normalised
+from crashkit.model.toml_tables import BODY, FORCE, INSTRUMENT, JOINT, MOTION, ROOT, section
 from crashkit.model.toml_text import SCHEMA, model_to_toml
-from crashkit.model.values import UNDECLARED, default_parameter, is_number, number, read_parameter
+from crashkit.model.values import UNDECLARED, default_parameter, number, read_parameter
 from crashkit.protocols import Observer, ParameterSpec, SpringLaw
 
 __all__ = ["SCHEMA", "model_to_toml", "read_model", "write_model"]
@@ -69,74 +73,15 @@ def _load(path: Path) -> dict[str, Any]:
         raise CrashkitError(f"{path}: expected TOML, found a fault in it: {reason[:1].lower()}{reason[1:]}") from error
 
 
-@frozen
-class _Kind:
-    """What a key of a file may hold."""
-
-    expected: str
-    fits: Callable[[Any], bool]
-
-
-def _list_of(fits: Callable[[Any], bool]) -> Callable[[Any], bool]:
-    return lambda raw: isinstance(raw, list) and all(fits(entry) for entry in raw)
-
-
-def _pair_of(fits: Callable[[Any], bool]) -> Callable[[Any], bool]:
-    return lambda raw: _list_of(fits)(raw) and len(raw) == 2
-
-
-def _is_text(raw: object) -> bool:
-    return isinstance(raw, str)
-
-
-def _is_table(raw: object) -> bool:
-    return isinstance(raw, dict)
-
-
-_TEXT = _Kind("text", _is_text)
-_TEXTS = _Kind("a list of text", _list_of(_is_text))
-_FLAG = _Kind("true or false", lambda raw: isinstance(raw, bool))
-_NUMBERS = _Kind("a list of numbers", _list_of(is_number))
-_NAMES = _Kind("the names of two bodies", _pair_of(_is_text))
-_POINTS = _Kind("two lists of numbers", _pair_of(_list_of(is_number)))
-_TABLE = _Kind("a table", _is_table)
-_TABLES = _Kind("tables in double brackets", _list_of(_is_table))
-_ANY = _Kind("a number", lambda raw: True)
-
-_ROOT = {"schema": _TEXT, "name": _TEXT, "axes": _TEXTS, "body": _TABLES, "joint": _TABLES, "instrument": _TABLES}
-_BODY = {"name": _TEXT, "fixed": _FLAG, "mass": _ANY, "position": _NUMBERS, "velocity": _NUMBERS, "carrier": _TEXT}
-_JOINT = {
-    "name": _TEXT,
-    "bodies": _NAMES,
-    "points": _POINTS,
-    "free_length": _ANY,
-    "law": _TEXT,
-    "factors": _TEXTS,
-    "parameters": _TABLE,
-}
-_INSTRUMENT = {"group": _TEXT, "sensor": _TEXT, "parameters": _TABLE}
-
-
-def _section(
-    table: dict[str, Any], kinds: Mapping[str, _Kind], required: tuple[str, ...], where: str, faults: list[Fault]
-) -> dict[str, Any]:
-    """The entries of a table that are as they should be; what is not is added to the faults."""
-    prefix = f"{where}/" if where else ""
-    faults.extend(Fault(where or "model", f"one of {names(kinds)}", shown(key)) for key in table if key not in kinds)
-    faults.extend(Fault(f"{prefix}{key}", kinds[key].expected, "none") for key in required if key not in table)
-    wrong = [key for key in table if key in kinds and not kinds[key].fits(table[key])]
-    faults.extend(Fault(f"{prefix}{key}", kinds[key].expected, shown(table[key])) for key in wrong)
-    return {key: value for key, value in table.items() if key in kinds and key not in wrong}
-
-
 def _model(table: dict[str, Any], laws: Mapping[str, type[SpringLaw]], faults: list[Fault]) -> Model:
-    root = _section(table, _ROOT, ("schema", "name", "axes"), "", faults)
+    root = section(table, ROOT, ("schema", "name", "axes"), "", faults)
     if root.get("schema", SCHEMA) != SCHEMA:
         faults.append(Fault("schema", shown(SCHEMA), shown(root["schema"])))
     axes = tuple(root.get("axes", ["x"]))
     return Model(
         name=root.get("name", ""),
         axes=axes,
+        gravity=_floats(root.get("gravity", [])),
         bodies=tuple(_body(entry, len(axes), index, faults) for index, entry in enumerate(root.get("body", []))),
         joints=tuple(_joint(entry, laws, index, faults) for index, entry in enumerate(root.get("joint", []))),
         instruments=tuple(_instrument(entry, index, faults) for index, entry in enumerate(root.get("instrument", []))),
@@ -145,25 +90,66 @@ def _model(table: dict[str, Any], laws: Mapping[str, type[SpringLaw]], faults: l
 
 def _body(table: dict[str, Any], axes: int, index: int, faults: list[Fault]) -> Body:
     where = _place("body", index, table.get("name"))
-    body = _section(table, _BODY, ("name", "position"), where, faults)
+    body = section(table, BODY, ("name",) if "motion" in table else ("name", "position"), where, faults)
+    motion = _motion(body["motion"], f"{where}/motion", faults) if "motion" in body else None
     return Body(
         name=body.get("name", ""),
-        position=_floats(body.get("position", [])),
+        position=_floats(body["position"]) if "position" in body else _at_start(motion, axes),
         velocity=_floats(body.get("velocity", [0.0] * axes)),
-        mass=_mass(body["mass"], f"{where}/mass", faults) if "mass" in body else None,
+        mass=_positive(body["mass"], f"{where}/mass", faults) if "mass" in body else None,
         fixed=body.get("fixed", False),
         carrier=body.get("carrier", ""),
+        inertia=_inertia(body["inertia"], f"{where}/inertia", faults) if "inertia" in body else (),
+        orientation=_unit_quaternion(_floats(body.get("orientation", []))),
+        angular_velocity=_floats(body.get("angular_velocity", [])),
+        motion=motion,
+        force=_force(body["force"], f"{where}/force", faults) if "force" in body else None,
     )
 
 
-def _mass(raw: object, where: str, faults: list[Fault]) -> Parameter:
-    mass = read_parameter(raw, UNDECLARED, where, faults)
-    return mass if mass.fixed else evolve(mass, lower=max(mass.lower, 0.0))
+def _at_start(motion: GivenMotion | None, axes: int) -> tuple[float, ...]:
+    """The place at t = 0 that a given motion tells of a body whose table does not say it."""
+    if motion is None:
+        return ()
+    times, rows = len(motion.time), motion.position
+    if times != len(rows) or times == 0 or any(len(row) != axes for row in rows):  # faults that the motion's check tells
+        return (0.0,) * axes
+    return tuple(float(np.interp(0.0, motion.time, column)) for column in zip(*rows, strict=True))
+
+
+def _motion(table: dict[str, Any], where: str, faults: list[Fault]) -> GivenMotion:
+    motion = section(table, MOTION, ("time", "position"), where, faults)
+    orientation = tuple(_unit_quaternion(row) for row in _rows(motion.get("orientation", [])))
+    return GivenMotion(_floats(motion.get("time", [])), _rows(motion.get("position", [])), orientation)
+
+
+def _force(table: dict[str, Any], where: str, faults: list[Fault]) -> GivenForce:
+    force = section(table, FORCE, ("time", "force"), where, faults)
+    return GivenForce(_floats(force.get("time", [])), _rows(force.get("force", [])), _rows(force.get("moment", [])))
+
+
+def _positive(raw: object, where: str, faults: list[Fault]) -> Parameter:
+    """A mass or a moment of inertia; free, it stays above 0."""
+    parameter = read_parameter(raw, UNDECLARED, where, faults)
+    return parameter if parameter.fixed else evolve(parameter, lower=max(parameter.lower, 0.0))
+
+
+def _inertia(raw: object, where: str, faults: list[Fault]) -> tuple[Parameter, ...]:
+    if not isinstance(raw, list):
+        return (_positive(raw, where, faults),)
+    moments = [_positive(entry, f"{where}[{index}]", faults) for index, entry in enumerate(raw[:3])]
+    products = [read_parameter(entry, UNDECLARED, f"{where}[{index}]", faults) for index, entry in enumerate(raw[3:], 3)]
+    return (*moments, *products)
+
+
+def _unit_quaternion(orientation: tuple[float, ...]) -> tuple[float, ...]:
+    """An orientation in space as a unit quaternion; an angle as it is."""
+    return normalised(orientation) if len(orientation) == 4 else orientation
 
 
 def _joint(table: dict[str, Any], laws: Mapping[str, type[SpringLaw]], index: int, faults: list[Fault]) -> Joint:
     where = _place("joint", index, table.get("name"))
-    joint = _section(table, _JOINT, ("name", "bodies", "law"), where, faults)
+    joint = section(table, JOINT, ("name", "bodies", "law"), where, faults)
     law, factors = joint.get("law", ""), tuple(joint.get("factors", ()))
     first, second = joint.get("bodies", ("", ""))
     points = joint.get("points")
@@ -175,6 +161,7 @@ def _joint(table: dict[str, Any], laws: Mapping[str, type[SpringLaw]], index: in
         factors=factors,
         points=(_floats(points[0]), _floats(points[1])) if points else None,
         free_length=_free_length(joint.get("free_length"), f"{where}/free_length", faults),
+        normal=normalised(_floats(joint["normal"])) if "normal" in joint else None,
     )
 
 
@@ -207,7 +194,7 @@ def _value(raw: object, spec: ParameterSpec, where: str, faults: list[Fault]) ->
 def _instrument(table: dict[str, Any], index: int, faults: list[Fault]) -> InstrumentErrors:
     group, sensor = table.get("group"), table.get("sensor", "")
     where = instrument_place(group, str(sensor)) if isinstance(group, str) and group else f"instrument[{index}]"
-    entry = _section(table, _INSTRUMENT, ("group",), where, faults)
+    entry = section(table, INSTRUMENT, ("group",), where, faults)
     parameters = {
         name: read_parameter(raw, UNDECLARED, f"{where}/{name}", faults) for name, raw in entry.get("parameters", {}).items()
     }
@@ -218,5 +205,10 @@ def _place(kind: str, index: int, name: object) -> str:
     return place(kind, index, name if isinstance(name, str) else "")
 
 
-def _floats(values: list[Any]) -> tuple[float, ...]:
-    return tuple(number(value) for value in values)
+def _floats(values: Any) -> tuple[float, ...]:
+    """A list of numbers, or a single one."""
+    return tuple(number(value) for value in (values if isinstance(values, list) else [values]))
+
+
+def _rows(rows: list[Any]) -> Rows:
+    return tuple(_floats(row) for row in rows)

@@ -1,14 +1,16 @@
 """The TOML text of a model, laid out as a person would write it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import tomli_w
 
 from crashkit.model.body import Body
-from crashkit.model.checks import specs_of
+from crashkit.model.body_checks import is_free
+from crashkit.model.given import GivenForce, GivenMotion
 from crashkit.model.instrument import InstrumentErrors
 from crashkit.model.joint import Joint
+from crashkit.model.joint_checks import specs_of
 from crashkit.model.model import Model
 from crashkit.model.parameter import Parameter
 from crashkit.model.values import UNDECLARED, default_parameter, write_parameter
@@ -25,23 +27,61 @@ def model_to_toml(model: Model, laws: Mapping[str, type[SpringLaw]]) -> str:
         laws: the installed laws and factors by name, which declare the parameters.
     """
     sections = [
-        _lines({"schema": SCHEMA, "name": model.name, "axes": model.axes}),
-        *(f"[[body]]\n{_lines(_body(body))}" for body in model.bodies),
+        _lines({"schema": SCHEMA, "name": model.name, "axes": model.axes, **_given(gravity=model.gravity)}),
+        *(_body(body) for body in model.bodies),
         *(_joint(joint, laws) for joint in model.joints),
         *(_instrument(errors) for errors in model.instruments),
     ]
     return "\n".join(sections)
 
 
-def _body(body: Body) -> dict[str, Any]:
-    return {
+def _body(body: Body) -> str:
+    head = {
         "name": body.name,
         **({"fixed": True} if body.fixed else {}),
         **({"mass": write_parameter(body.mass, UNDECLARED)} if body.mass is not None else {}),
+        **_given(inertia=_single([write_parameter(entry, UNDECLARED) for entry in body.inertia])),
         "position": body.position,
-        **({"velocity": body.velocity} if any(body.velocity) or not body.fixed else {}),
-        **({"carrier": body.carrier} if body.carrier else {}),
+        **_given(orientation=_single(body.orientation)),
+        **({"velocity": body.velocity} if any(body.velocity) or is_free(body) else {}),
+        **_given(angular_velocity=_single(body.angular_velocity), carrier=body.carrier),
     }
+    return f"[[body]]\n{_lines(head)}{_motion(body.motion)}{_force(body.force)}"
+
+
+def _motion(motion: GivenMotion | None) -> str:
+    if motion is None:
+        return ""
+    orientation = f"orientation = {_rows(_singles(motion.orientation))}\n" if motion.orientation else ""
+    return f"[body.motion]\ntime = {_inline(motion.time)}\nposition = {_rows(motion.position)}\n{orientation}"
+
+
+def _force(force: GivenForce | None) -> str:
+    if force is None:
+        return ""
+    moment = f"moment = {_rows(_singles(force.moment))}\n" if force.moment else ""
+    return f"[body.force]\ntime = {_inline(force.time)}\nforce = {_rows(force.force)}\n{moment}"
+
+
+def _given(**entries: Any) -> dict[str, Any]:
+    """Entries that are not empty; an empty one is what the reader gives to one that is not there."""
+    return {key: value for key, value in entries.items() if value not in ((), [], "")}
+
+
+def _single(values: Sequence[Any]) -> Any:
+    """What has one number in the plane, several in space."""
+    return values[0] if len(values) == 1 else values
+
+
+def _singles(rows: Sequence[Sequence[float]]) -> list[Any]:
+    return [_single(row) for row in rows]
+
+
+def _rows(rows: Sequence[Any]) -> str:
+    """A list with each row on a line of its own; numbers, which are no rows, on one."""
+    if any(isinstance(row, list | tuple) for row in rows):
+        return "[\n" + "".join(f"    {_inline(row)},\n" for row in rows) + "]"
+    return _inline(rows)
 
 
 def _joint(joint: Joint, laws: Mapping[str, type[SpringLaw]]) -> str:
@@ -49,6 +89,7 @@ def _joint(joint: Joint, laws: Mapping[str, type[SpringLaw]]) -> str:
         "name": joint.name,
         "bodies": joint.bodies,
         **({"points": joint.points} if joint.points is not None else {}),
+        **({"normal": joint.normal} if joint.normal is not None else {}),
         **({"free_length": write_parameter(joint.free_length, UNDECLARED)} if joint.free_length is not None else {}),
         "law": joint.law,
         **({"factors": joint.factors} if joint.factors else {}),

@@ -16,18 +16,28 @@ class SpringLaw(ABC):
     `math`, and `for i in range(len(vector) - 1)` over vector parameters. The engine reads its source, derives branches,
     guards and partial derivatives from it, and compiles it. The engine owns the memory: it passes `d_max >= d`, the
     largest deformation reached so far (at least 0), and while the joint is being loaded further `d_max` is `d` itself.
-    The value must be continuous in d, ddot and d_max.
+    The value must be continuous in d, ddot and d_max, unless the law declares that it jumps.
+
+    A law with memory of its own (a force that relaxes, for example) names it in `memory`; the name is then the fourth argument
+    of `force`, and of `memory_rate`, which gives its rate of change: memory' = memory_rate(d, ddot, d_max, memory, *parameters),
+    from 0 at t = 0.
 
     Attributes:
         name: as written in model files.
         unit: "N" for a law; "1" for a factor that multiplies a law (a joint lists them under `factors`).
         parameters: declared in the order in which `force` takes them.
+        memory: name of the law's own memory; "" for none.
+        jumps: the value may jump where a branch changes (fracture); the engine then gives the sensitivities their jump.
         passive: the law never gives out more energy than it took in (tested by the contract suite).
         force: the pure scalar function, as a staticmethod.
+        memory_rate: the rate of change of the memory, likewise, if there is one.
     """
 
     name: ClassVar[str]
     unit: ClassVar[str] = "N"
     parameters: ClassVar[tuple[ParameterSpec, ...]]
+    memory: ClassVar[str] = ""
+    jumps: ClassVar[bool] = False
     passive: ClassVar[bool] = True
     force: ClassVar[Callable[..., float]]
+    memory_rate: ClassVar[Callable[..., float]]

@@ -9,7 +9,7 @@ from attrs import evolve
 
 from crashkit.errors import CrashkitError
 from crashkit.mechanics import Engine, LawFunction, Simulator, compile_engine, functions_of
-from crashkit.mechanics.emit import emit
+from crashkit.mechanics.laws.emit import emit
 from crashkit.misfit import Misfit
 from crashkit.model import Model
 from crashkit.protocols import Hypothesis, Proposal
@@ -139,7 +139,7 @@ def _engine(models: Sequence[Model]) -> Engine:
     laws = load().spring_laws
     plain = [LawFunction(law) for law in laws.values() if not any(spec.vector for spec in law.parameters)]
     needed = [function for model in models for function in functions_of(model, laws)]
-    return compile_engine([*needed, *filter(_is_readable, plain)])
+    return compile_engine([*needed, *filter(_is_readable, plain)], len(models[0].axes))
 
 
 def _is_readable(function: LawFunction) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from crashkit.mechanics import LawFunction
-from crashkit.mechanics.emit import emit
+from crashkit.mechanics.laws.emit import emit
 from crashkit.protocols import ParameterSpec, SpringLaw
 
 Values = Mapping[str, float | Sequence[float]]
@@ -18,6 +18,7 @@ Force = Callable[[float, float, float], float]
 Point = tuple[float, float, float]
 
 STATE = ("d", "ddot", "d_max")
+NO_MEMORY = 0.0
 UNIT = re.compile(r"1|[A-Za-z]+(-?\d+)?( [A-Za-z]+(-?\d+)?)*")
 
 
@@ -185,25 +186,26 @@ class Derived:
 
     def value(self, point: Point) -> float:
         """The value with the branches that the state takes."""
-        return float(self.written["law_frozen"](self._mode(point, self.vector), *point, self.vector, 0)[0])
+        return float(self.written["law_frozen"](self._mode(point, self.vector), *point, NO_MEMORY, self.vector, 0)[0])
 
     def slopes(self, point: Point) -> Iterator[tuple[str, float, float, float]]:
         """By name: the derivative, the central difference and its error; without those for which the branch changes."""
         inputs = np.array([*point, *self.vector])
-        found = np.empty(inputs.size)
+        found = np.empty(inputs.size + 1)
         mode = self._mode(point, self.vector)
-        self.written["law_partials"](mode, *point, self.vector, 0, found)
+        self.written["law_partials"](mode, *point, NO_MEMORY, self.vector, 0, found)
+        found = np.delete(found, len(STATE))
         for index in np.flatnonzero(self.movable):
             step = 1e-5 * (abs(inputs[index]) or 1.0)
             moved = [inputs + sign * step * (np.arange(inputs.size) == index) for sign in (1.0, -1.0)]
             if all(self._mode(near[:3], near[3:]) == mode for near in moved):
-                above, below = (float(self.written["law_frozen"](mode, *near[:3], near[3:], 0)[0]) for near in moved)
+                above, below = (float(self.written["law_frozen"](mode, *near[:3], NO_MEMORY, near[3:], 0)[0]) for near in moved)
                 expected = (above - below) / (2.0 * step)
                 error = 1e-5 * max(abs(expected), abs(found[index])) + 1e-9 * (abs(above) + abs(below)) / step + 1e-12
                 yield self.names[index], float(found[index]), expected, error
 
     def _mode(self, state: Iterable[float], vector: np.ndarray) -> int:
-        return int(self.written["law_mode"](*state, vector, 0))
+        return int(self.written["law_mode"](*state, NO_MEMORY, vector, 0))
 
 
 def _power_slope(base: float, exponent: float) -> float:

@@ -6,13 +6,15 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from attrs import evolve
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from crashkit.data.schema import GroupSchema, Variable
 from crashkit.data.schemas import DIMENSIONS, INITIAL, MOTION
-from crashkit.model import Body, InstrumentErrors, Joint, Model, Parameter
-from crashkit.model.checks import specs_of
+from crashkit.model import Body, GivenForce, GivenMotion, InstrumentErrors, Joint, Model, Parameter
+from crashkit.model.joint_checks import has_no_direction, specs_of
+from crashkit.model.pose import ROTATION, turned
 from crashkit.protocols import ParameterSpec, SpringLaw
 
 _KNOWN = {dimension.name: dimension for dimension in DIMENSIONS}
@@ -78,33 +80,37 @@ def recordings(draw: st.DrawFn, schemas: Mapping[str, GroupSchema]) -> xr.DataTr
 def parameters(draw: st.DrawFn, spec: ParameterSpec) -> Parameter:
     """Parameters as a plugin declares them, or with bounds of their own, free or fixed."""
     lower, upper = max(spec.lower, -_LARGE), min(spec.upper, _LARGE)
-    value = draw(st.floats(lower, upper))
-    bounds = draw(
-        st.sampled_from([(spec.lower, spec.upper), (value, value), (value - abs(value), value + 1.0), (-math.inf, math.inf)])
-    )
-    return Parameter(value, *bounds, fixed=draw(st.booleans()))
+    return draw(_around(draw(st.floats(lower, upper)), spec))
 
 
 @st.composite
-def models(draw: st.DrawFn, laws: Mapping[str, type[SpringLaw]]) -> Model:
-    """Models in one axis of one to three free bodies and perhaps an obstacle, joined by these laws and factors."""
+def models(draw: st.DrawFn, laws: Mapping[str, type[SpringLaw]], axes: tuple[str, ...] | None = None) -> Model:
+    """Models of one to four bodies, joined by these laws and factors, that pass the check of models.
+
+    Arguments:
+        laws: installed laws and factors by name.
+        axes: of the models; None: any.
+    """
+    axes = draw(st.sampled_from(_AXES)) if axes is None else axes
     labels = draw(st.lists(names(), min_size=1, max_size=4, unique=True))
-    fixed = [len(labels) > 1 and draw(st.booleans()), *([False] * (len(labels) - 1))]
-    bodies = tuple(draw(_bodies(name, held, labels)) for name, held in zip(labels, fixed, strict=True))
+    free = draw(st.sampled_from(labels))
+    bodies = {name: draw(_bodies(name, len(axes), labels, name == free or draw(st.booleans()))) for name in labels}
     joints = draw(st.lists(names(), max_size=3, unique=True)) if len(labels) > 1 else []
     errors = draw(st.lists(st.tuples(names(), st.just("") | names()), max_size=2, unique=True))
     return Model(
         name=draw(names()),
-        axes=(draw(st.sampled_from("xyz")),),
-        bodies=bodies,
-        joints=tuple(draw(_joints(name, labels, laws)) for name in joints),
+        axes=axes,
+        bodies=tuple(bodies.values()),
+        joints=tuple(draw(_joints(name, len(axes), bodies, laws)) for name in joints),
         instruments=tuple(InstrumentErrors(group, sensor, {"gain": draw(parameters(_NUMBER))}) for group, sensor in errors),
+        gravity=draw(st.just(()) | _vectors(len(axes))),
     )
 
 
 _NUMBER = ParameterSpec("number", "", "any number")
 _MASS = ParameterSpec("mass", "kg", "mass", lower=1e-3)
 _NUMBERS = st.floats(-_LARGE, _LARGE)
+_AXES = (("x",), ("y",), ("z",), ("x", "y"), ("x", "z"), ("y", "z"), ("x", "y", "z"))
 
 
 def _labels(dim: str) -> st.SearchStrategy[np.ndarray]:
@@ -128,36 +134,116 @@ def _values(draw: st.DrawFn, variable: Variable, shape: tuple[int, ...]) -> np.n
 
 
 @st.composite
-def _bodies(draw: st.DrawFn, name: str, fixed: bool, bodies: list[str]) -> Body:
-    position = (draw(_NUMBERS),)
-    if fixed:
-        return Body(name, position, (0.0,), fixed=True)
-    mass = draw(parameters(_MASS).filter(lambda mass: mass.fixed or mass.lower >= 0.0))
-    carrier = draw(st.sampled_from(["", *(other for other in bodies if other != name)]))
-    return Body(name, position, (draw(_NUMBERS),), mass, carrier=carrier)
+def _around(draw: st.DrawFn, value: float, spec: ParameterSpec) -> Parameter:
+    """A parameter of this value, free or fixed, with the bounds of its spec or others."""
+    bounds = draw(
+        st.sampled_from([(spec.lower, spec.upper), (value, value), (value - abs(value), value + 1.0), (-math.inf, math.inf)])
+    )
+    return Parameter(value, *bounds, fixed=draw(st.booleans()))
+
+
+def _positive(value: float) -> st.SearchStrategy[Parameter]:
+    """A mass or moment of inertia of this value; free, it stays above 0."""
+    return _around(value, _MASS).filter(lambda entry: entry.fixed or entry.lower >= 0.0)
 
 
 @st.composite
-def _joints(draw: st.DrawFn, name: str, bodies: list[str], laws: Mapping[str, type[SpringLaw]]) -> Joint:
-    first, second = draw(st.permutations(bodies))[:2]
+def _bodies(draw: st.DrawFn, name: str, axes: int, bodies: list[str], free: bool) -> Body:
+    position, still = draw(_vectors(axes)), (0.0,) * axes
+    orientation = draw(st.just(()) | _orientations(axes))
+    if not free and draw(st.booleans()):
+        return Body(name, position, still, fixed=True, orientation=orientation)
+    if not free:
+        motion = draw(_given_motions(axes))
+        return Body(name, position, still, orientation=() if motion.orientation else orientation, motion=motion)
+    return Body(
+        name,
+        position,
+        velocity=draw(_vectors(axes)),
+        mass=draw(_positive(draw(st.floats(1e-3, _LARGE)))),
+        carrier=draw(st.sampled_from(["", *(other for other in bodies if other != name)])),
+        inertia=draw(_inertias(axes)),
+        orientation=orientation,
+        angular_velocity=draw(st.just(()) | _vectors(ROTATION[axes])),
+        force=draw(st.none() | _given_forces(axes)),
+    )
+
+
+def _vectors(size: int) -> st.SearchStrategy[tuple[float, ...]]:
+    return st.tuples(*[_NUMBERS] * size)
+
+
+def _unit_vectors(size: int) -> st.SearchStrategy[tuple[float, ...]]:
+    entries = st.tuples(*[st.floats(-1.0, 1.0)] * size).filter(lambda drawn: math.hypot(*drawn) > 0.1)
+    return entries.map(lambda drawn: tuple(value / math.hypot(*drawn) for value in drawn))
+
+
+def _orientations(axes: int) -> st.SearchStrategy[tuple[float, ...]]:
+    return _unit_vectors(4) if axes == 3 else _vectors(ROTATION[axes])
+
+
+@st.composite
+def _inertias(draw: st.DrawFn, axes: int) -> tuple[Parameter, ...]:
+    """In space the sums of x^2, y^2 and z^2 over a body, along its axes or others."""
+    moments = np.array([draw(st.floats(1e-3, _LARGE)) for _ in range(ROTATION[axes])])
+    if axes < 3:
+        return tuple(draw(_positive(moment)) for moment in moments.tolist())
+    diagonal = moments.sum() - moments
+    principal = tuple(draw(_positive(moment)) for moment in diagonal.tolist())
+    turn = draw(_unit_vectors(4))
+    columns = np.array([turned(turn, column) for column in np.eye(3)])
+    matrix = columns.T * diagonal @ columns
+    if draw(st.booleans()):
+        return principal
+    products = [draw(_around(float(matrix[pair]), _NUMBER)) for pair in ((0, 1), (0, 2), (1, 2))]
+    return (*(draw(_positive(moment)) for moment in np.diagonal(matrix).tolist()), *products)
+
+
+@st.composite
+def _given_motions(draw: st.DrawFn, axes: int) -> GivenMotion:
+    time = tuple(draw(times().filter(lambda drawn: drawn.size > 1)).tolist())
+    turns = axes > 1 and draw(st.booleans())
+    return GivenMotion(
+        time,
+        position=tuple(draw(_vectors(axes)) for _ in time),
+        orientation=tuple(draw(_orientations(axes)) for _ in time) if turns else (),
+    )
+
+
+@st.composite
+def _given_forces(draw: st.DrawFn, axes: int) -> GivenForce:
+    time = tuple(draw(times().filter(lambda drawn: drawn.size > 1)).tolist())
+    turns = axes > 1 and draw(st.booleans())
+    return GivenForce(
+        time,
+        force=tuple(draw(_vectors(axes)) for _ in time),
+        moment=tuple(draw(_vectors(ROTATION[axes])) for _ in time) if turns else (),
+    )
+
+
+@st.composite
+def _joints(draw: st.DrawFn, name: str, axes: int, bodies: Mapping[str, Body], laws: Mapping[str, type[SpringLaw]]) -> Joint:
+    first, second = draw(st.permutations(list(bodies)))[:2]
     law = draw(st.sampled_from(sorted(name for name, law in laws.items() if law.unit == "N")))
     factors = [name for name in sorted(laws) if laws[name].unit == "1" and draw(st.booleans())]
     length = draw(st.integers(1, 4))
     specs = specs_of(law, factors, laws)
     values: dict[str, Any] = {
-        name: draw(_vectors(spec, length) if spec.vector else parameters(spec)) for name, spec in specs.items()
+        name: draw(_lists(spec, length) if spec.vector else parameters(spec)) for name, spec in specs.items()
     }
-    return Joint(
+    joint = Joint(
         name=name,
         bodies=(first, second),
         law=law,
         parameters=values,
         factors=tuple(factors),
-        points=draw(st.none() | st.tuples(st.tuples(_NUMBERS), st.tuples(_NUMBERS))),
+        points=draw(st.none() | st.tuples(_vectors(axes), _vectors(axes))),
         free_length=draw(st.none() | parameters(_NUMBER)),
+        normal=draw(st.none() | _unit_vectors(axes)) if axes > 1 else None,
     )
+    return evolve(joint, normal=draw(_unit_vectors(axes))) if has_no_direction(joint, bodies, axes) else joint
 
 
-def _vectors(spec: ParameterSpec, length: int) -> st.SearchStrategy[tuple[Parameter, ...]]:
+def _lists(spec: ParameterSpec, length: int) -> st.SearchStrategy[tuple[Parameter, ...]]:
     entries = st.lists(parameters(spec), min_size=length, max_size=length, unique_by=lambda entry: entry.value)
     return entries.map(lambda drawn: tuple(sorted(drawn, key=lambda entry: entry.value)))

@@ -5,17 +5,17 @@ of stiffness 1e5 N/m.
 """
 
 from collections.abc import Mapping
-from typing import ClassVar
 
 import numpy as np
 import xarray as xr
-from attrs import define, evolve
+from attrs import evolve, frozen
 
 from crashkit.mechanics import Simulator
+from crashkit.misfit import Misfit
 from crashkit.model import Body, Joint, Model, Parameter
-from crashkit.protocols import SpringLaw
+from crashkit.model.edit import with_factor
+from crashkit.protocols import Observer, ParameterSpec, SpringLaw
 
-ALPHA, BETA, GAMMA, DELTA = 1.2, 1.2, 0.6, 0.24
 RHO, ETA = 2.4, 0.7
 
 REAR_MASS_AS_PRINTED = 1.0 / ETA
@@ -30,23 +30,66 @@ MASS, SPEED, STIFFNESS = 1000.0, 10.0, 1e5
 LENGTH = 5.0
 """m between neighbours at t = 0; no spring gets as short as that."""
 
-ROUNDING = 6
-"""Decimals of a recorded position in m: an exact fit, which no measurement allows, would leave a search without an end."""
+TIMES = np.linspace(0.0, 0.4, 401)
+"""s, of a recording: every impact is over by then."""
+
+STEP = 5e-4
+"""s, longest step of the integration of what is recorded."""
+
+STD = {"position": 1e-3, "acceleration": 1.0}
+"""m, m s-2: what recordings without noise state as their standard deviation."""
+
+ROUNDING = 1e-3
+"""Of a standard deviation, to which recordings are rounded: an exact fit, which no measurement allows, would leave a search
+without an end."""
 
 
-def one_degree(speed: float = 1.0) -> Model:
+@frozen
+class Spring:
+    """The paper's parameters of one spring, in its unit of stiffness; the reference by default."""
+
+    alpha: float = 1.2
+    beta: float = 1.2
+    gamma: float = 0.6
+    delta: float = 0.24
+
+
+REFERENCE = Spring()
+
+
+class StiffnessRatio(SpringLaw):
+    """A constant factor: with it the paper's ten parameters are all there, though only nine can be told."""
+
+    name = "stiffness_ratio"
+    unit = "1"
+    parameters = (ParameterSpec("ratio", "1", "of the spring's force to that of its law (rho)", lower=1e-3),)
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, ratio: float) -> float:
+        """The factor."""
+        return ratio
+
+
+def one_degree(speed: float = 1.0, spring: Spring = REFERENCE) -> Model:
     """A mass that runs into a wall (eq 40).
 
     m x'' = -F(x), with F = alpha x up to delta, delta up to x = gamma, then delta + beta (x - gamma).
 
     Arguments:
         speed: at first contact, in the paper's unit.
+        spring: its parameters.
     """
     bodies = (_wall(), _mass("front", 1.0, -LENGTH, speed))
-    return Model("one degree of freedom", ("x",), bodies, (_spring("first", ("wall", "front"), 1.0),))
+    return Model("one degree of freedom", ("x",), bodies, (_joint("first", ("wall", "front"), spring, 1.0),))
 
 
-def two_degrees(speed: float = 1.0, rear_mass: float = REAR_MASS_AS_PRINTED) -> Model:
+def two_degrees(
+    speed: float = 1.0,
+    rear_mass: float = REAR_MASS_AS_PRINTED,
+    first: Spring = REFERENCE,
+    second: Spring = REFERENCE,
+    rho: float = RHO,
+) -> Model:
     """Two such systems end to end (eq 65-67).
 
     x1'' = -F1(x1) + (k'/m) F2(x2 - x1),  x2'' = -(k'/m') F2(x2 - x1), where k'/m' = rho = (k'/k) / (m'/m).
@@ -57,10 +100,43 @@ def two_degrees(speed: float = 1.0, rear_mass: float = REAR_MASS_AS_PRINTED) -> 
     Arguments:
         speed: at first contact, in the paper's unit.
         rear_mass: m' / m, by one reading of the paper or the other.
+        first, second: the springs' parameters.
+        rho: the paper's, which multiplies the second spring.
     """
     rear = evolve(_mass("rear", rear_mass, -2.0 * LENGTH, speed), mass=_free(rear_mass * MASS))
-    joints = (_spring("first", ("wall", "front"), 1.0), _spring("second", ("front", "rear"), RHO * rear_mass))
-    return Model("two degrees of freedom", ("x",), (_wall(), _mass("front", 1.0, -LENGTH, speed), rear), joints)
+    bodies = (_wall(), _mass("front", 1.0, -LENGTH, speed), rear)
+    joints = (
+        _joint("first", ("wall", "front"), first, 1.0),
+        _joint("second", ("front", "rear"), second, rho * rear_mass),
+    )
+    return Model("two degrees of freedom", ("x",), bodies, joints)
+
+
+def with_ten_parameters(model: Model, rho: float = RHO) -> Model:
+    """The model of two degrees with rho as a parameter of its own, a factor of the second spring; the motion is the same.
+
+    To be simulated with `StiffnessRatio` among the laws.
+    """
+    paths = [f"joint.second.{name}" for name in ("elastic_stiffness", "crush_force", "densification_stiffness")]
+    known = model.parameters()
+    return with_factor(
+        model.with_parameters({path: _free(known[path].value / rho) for path in paths}),
+        "second",
+        StiffnessRatio.name,
+        {"ratio": _free(rho)},
+    )
+
+
+def spring_of(model: Model, joint: str, stiffness: float = 1.0) -> Spring:
+    """The paper's parameters of a joint, in units of `stiffness` times the paper's."""
+    unit = stiffness * STIFFNESS
+    value = {name: model.parameters()[f"joint.{joint}.{name}"].value for name in LAW_PARAMETERS}
+    return Spring(
+        value["elastic_stiffness"] / unit,
+        value["densification_stiffness"] / unit,
+        value["densification_deformation"],
+        value["crush_force"] / unit,
+    )
 
 
 def start_from(model: Model, factor: float) -> Model:
@@ -68,76 +144,27 @@ def start_from(model: Model, factor: float) -> Model:
     return model.with_values({path: factor * parameter.value for path, parameter in model.free_parameters().items()})
 
 
-@define
-class MotionProblem:
-    """The misfit of a toy to its own motion, as an identifier sees it: no noise but rounding, and the answer is known.
-
-    Residuals are positions of every body in every run, in mm.
+def problem(
+    truth: Model,
+    start: Model,
+    laws: Mapping[str, type[SpringLaw]],
+    observers: Mapping[str, type[Observer]],
+    speeds: tuple[float, ...] = (1.0,),
+    exact: bool = False,
+) -> Misfit:
+    """A search for the parameters of `truth` from the values of `start`, given recordings of it at some speeds.
 
     Arguments:
-        simulator: of the model whose free parameters are wanted.
-        names: of those parameters.
-        initial: the state at t = 0, one for each run.
-        times: s.
-        recorded: the motion of each run, as (time, body).
-        model: with the values to start from.
+        truth: what is recorded: there is no noise but rounding.
+        start: the same model at other values.
+        laws, observers: installed plugins by name.
+        speeds: of the recorded tests, in the paper's unit.
+        exact: not even rounded.
     """
-
-    simulator: Simulator
-    names: tuple[str, ...]
-    initial: tuple[xr.Dataset, ...]
-    times: np.ndarray
-    recorded: tuple[np.ndarray, ...]
-    model: Model
-
-    STD: ClassVar[float] = 1e-3
-
-    def start(self) -> np.ndarray:
-        """The logarithms of the model's own values."""
-        return np.log([parameter.value for parameter in self.model.free_parameters().values()])
-
-    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """The logarithms of the bounds."""
-        free = self.model.free_parameters().values()
-        return np.log([parameter.lower for parameter in free]), np.log([parameter.upper for parameter in free])
-
-    def residual(self, scaled: np.ndarray) -> np.ndarray:
-        """(recorded - simulated) / STD."""
-        return np.concatenate([self._difference(run, self._motion(run, scaled)) for run in range(len(self.initial))])
-
-    def residual_and_jacobian(self, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The residuals and their derivatives to the logarithms."""
-        motions = [self._motion(run, scaled, self.names) for run in range(len(self.initial))]
-        residual = np.concatenate([self._difference(run, motion) for run, motion in enumerate(motions)])
-        slopes = [motion["position_sensitivity"].isel(axis=0).values.reshape(-1, len(self.names)) for motion in motions]
-        return residual, -np.concatenate(slopes) / self.STD * self.scaling(scaled)
-
-    def parameters(self, scaled: np.ndarray) -> np.ndarray:
-        """The parameters themselves."""
-        return np.exp(scaled)
-
-    def scaling(self, scaled: np.ndarray) -> np.ndarray:
-        """d parameter / d logarithm."""
-        return np.exp(scaled)
-
-    def _motion(self, run: int, scaled: np.ndarray, sensitivities: tuple[str, ...] = ()) -> xr.Dataset:
-        values = dict(zip(self.names, np.exp(scaled).tolist(), strict=True))
-        return self.simulator.run(self.times, values, initial=self.initial[run], sensitivities=sensitivities)
-
-    def _difference(self, run: int, motion: xr.Dataset) -> np.ndarray:
-        return ((self.recorded[run] - motion["position"].isel(axis=0).values) / self.STD).ravel()
-
-
-def problem(
-    truth: Model, start: Model, laws: Mapping[str, type[SpringLaw]], speeds: tuple[float, ...] = (1.0,)
-) -> MotionProblem:
-    """A search for the parameters of `truth` from the values of `start`, given its motion at some speeds."""
     simulator = Simulator(truth, laws)
-    times = np.linspace(0.0, 0.6, 301)
-    initial = tuple(initial_state(truth, speed) for speed in speeds)
-    motions = [simulator.run(times, {}, initial=state) for state in initial]
-    recorded = tuple(np.round(motion["position"].isel(axis=0).values, ROUNDING) for motion in motions)
-    return MotionProblem(simulator, tuple(truth.free_parameters()), initial, times, recorded, start)
+    motions = {f"speed_{s:g}": simulator.run(TIMES, initial=initial_state(truth, s), step=STEP) for s in speeds}
+    digits = 0.0 if exact else ROUNDING
+    return Misfit(start, {run: recording(motion, rounding=digits) for run, motion in motions.items()}, laws, observers)
 
 
 def initial_state(model: Model, speed: float) -> xr.Dataset:
@@ -150,29 +177,59 @@ def initial_state(model: Model, speed: float) -> xr.Dataset:
     )
 
 
-def recording(motion: xr.Dataset, title: str = "toy") -> xr.DataTree:
-    """A recording of a motion without noise: film and an accelerometer on every body that moves."""
+def recording(motion: xr.Dataset, title: str = "toy", rounding: float = 0.0) -> xr.DataTree:
+    """A recording of a motion without noise: film and an accelerometer on every body that moves.
+
+    Arguments:
+        motion: simulated.
+        title: of the recording.
+        rounding: of the readings, as a share of their standard deviation; 0: none.
+    """
     moving = [name for name in motion["body"].values.tolist() if np.ptp(motion["position"].sel(body=name).values) > 0.0]
     seen = motion[["position", "acceleration"]].sel(body=moving).transpose("time", "body", "axis")
+    if rounding:
+        seen = seen.assign({name: _rounded(seen[name], rounding * std) for name, std in STD.items()})
+    in_laboratory = {"observer": "accelerometer", "channel_frequency_class": 0, "frame": "laboratory"}
     return xr.DataTree.from_dict(
         {
             "/": xr.Dataset(attrs={"crashkit_schema": "recording/1", "title": title}),
             "initial": motion[["position", "velocity"]].isel(time=0, drop=True),
-            "film": _instrument(seen, "position", "marker", "m", 1e-3, {"observer": "film"}),
-            "accelerometer": _instrument(
-                seen,
-                "acceleration",
-                "sensor",
-                "m s-2",
-                1.0,
-                {"observer": "accelerometer", "channel_frequency_class": 0, "frame": "laboratory"},
-            ),
+            "film": _instrument(seen, "position", "marker", "m", {"observer": "film"}),
+            "accelerometer": _instrument(seen, "acceleration", "sensor", "m s-2", in_laboratory),
         }
     )
 
 
+def noisy(recording: xr.DataTree, share: float, random: np.random.Generator) -> xr.DataTree:
+    """The recording with white noise on every channel, which states its standard deviation.
+
+    Arguments:
+        recording: of a toy.
+        share: standard deviation of the noise, as a share of each channel's range.
+        random: draws the noise.
+    """
+    groups = {}
+    for name, quantity in (("film", "position"), ("accelerometer", "acceleration")):
+        group = recording.children[name].to_dataset(inherit=False)
+        clean = group[quantity]
+        std = share * (clean.max("time") - clean.min("time")).isel(axis=0, drop=True)
+        noise = clean.copy(data=random.normal(size=clean.shape))
+        group[quantity] = (clean + std * noise).assign_attrs(clean.attrs)
+        group[f"{quantity}_std"] = std.assign_attrs(clean.attrs)
+        groups[name] = xr.DataTree(group)
+    return recording.assign(groups)
+
+
+LAW_PARAMETERS = ("elastic_stiffness", "crush_force", "densification_deformation", "densification_stiffness")
+"""Of the law `crush_plateau`: alpha, delta, gamma and beta."""
+
+
+def _rounded(values: xr.DataArray, step: float) -> xr.DataArray:
+    return (values / step).round() * step
+
+
 def _instrument(
-    seen: xr.Dataset, quantity: str, channel: str, units: str, std: float, attributes: Mapping[str, object]
+    seen: xr.Dataset, quantity: str, channel: str, units: str, attributes: Mapping[str, object]
 ) -> xr.Dataset:
     """The readings at the centre of mass of each body."""
     bodies = seen["body"].values.tolist()
@@ -181,7 +238,7 @@ def _instrument(
             quantity: (("time", channel, "axis"), seen[quantity].values, {"units": units}),
             f"{channel}_body": (channel, bodies),
             f"{channel}_point": ((channel, "axis"), np.zeros((len(bodies), seen.sizes["axis"])), {"units": "m"}),
-            f"{quantity}_std": (channel, np.full(len(bodies), std), {"units": units}),
+            f"{quantity}_std": (channel, np.full(len(bodies), STD[quantity]), {"units": units}),
         },
         coords={
             "time": ("time", seen["time"].values, {"units": "s"}),
@@ -200,18 +257,13 @@ def _mass(name: str, mass: float, position: float, speed: float) -> Body:
     return Body(name, (position,), (speed * SPEED,), Parameter(mass * MASS, fixed=True))
 
 
-def _spring(name: str, bodies: tuple[str, str], stiffness: float) -> Joint:
-    """The reference spring, `stiffness` in the paper's unit."""
+def _joint(name: str, bodies: tuple[str, str], spring: Spring, stiffness: float) -> Joint:
+    """A spring, `stiffness` in the paper's unit."""
     stiffness *= STIFFNESS
-    values = {
-        "elastic_stiffness": ALPHA * stiffness,
-        "crush_force": DELTA * stiffness,
-        "densification_deformation": GAMMA,
-        "densification_stiffness": BETA * stiffness,
-    }
+    values = (spring.alpha * stiffness, spring.delta * stiffness, spring.gamma, spring.beta * stiffness)
     absent = ("unloading_stiffness", "rate_coefficient", "clearance", "tension")
-    parameters = {key: _free(value) for key, value in values.items()} | dict.fromkeys(absent, Parameter(0.0, fixed=True))
-    return Joint(name, bodies, "crush_plateau", parameters)
+    free = {key: _free(value) for key, value in zip(LAW_PARAMETERS, values, strict=True)}
+    return Joint(name, bodies, "crush_plateau", free | dict.fromkeys(absent, Parameter(0.0, fixed=True)))
 
 
 def _free(value: float) -> Parameter:

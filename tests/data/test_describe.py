@@ -45,11 +45,14 @@ def test_the_recording_of_the_page_is_one(tmp_path, monkeypatch, schemas):
     assert instruments(read_recording("run_1.nc", schemas)) == {"film": "film"}
 
 
-def test_the_model_of_the_page_is_one(tmp_path):
+def test_the_models_of_the_page_are_some(tmp_path):
     spring_laws = pytest.importorskip("crashkit_spring_laws", reason="the spring laws are not installed").SPRING_LAWS
-    (tmp_path / "sled.toml").write_text(_example("toml", "crashkit-model/1"), encoding="utf-8")
-    model = read_model(tmp_path / "sled.toml", {law.name: law for law in spring_laws})
-    assert model.joint("front").parameters["rate_exponent"].fixed is False
+    models = {}
+    for name in ("sled", "car and trolley"):
+        (tmp_path / "model.toml").write_text(_example("toml", f'name = "{name}"'), encoding="utf-8")
+        models[name] = read_model(tmp_path / "model.toml", {law.name: law for law in spring_laws})
+    assert models["sled"].joint("front").parameters["rate_exponent"].fixed is False
+    assert models["car and trolley"].body("trolley").motion.orientation == ((0.0,), (0.0,), (0.1,))
 
 
 def _example(language: str, content: str) -> str:

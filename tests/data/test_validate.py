@@ -108,8 +108,8 @@ class TestStructure:
 
     def test_a_group_that_may_hold_anything_must_hold_something(self):
         assert lines(xr.Dataset(), MOTION) == [
-            "motion: expected at least one of position, velocity, acceleration, orientation, angular_velocity, deformation, "
-            "deformation_rate, force, found none"
+            "motion: expected at least one of position, velocity, acceleration, orientation, angular_velocity, "
+            "angular_acceleration, contact_force, contact_moment, deformation, deformation_rate, force, found none"
         ]
 
 

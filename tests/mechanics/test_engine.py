@@ -38,7 +38,7 @@ def test_the_source_is_the_same_in_every_process():
     """Else nothing that one process compiled would serve another."""
     script = (
         "from crashkit_spring_laws import CrushPlateau, PiecewiseAffine; from crashkit.mechanics import LawFunction; "
-        "from crashkit.mechanics.emit import emit; "
+        "from crashkit.mechanics.laws.emit import emit; "
         "print(emit(LawFunction(CrushPlateau), 'a') + emit(LawFunction(PiecewiseAffine, (5, 5)), 'b'))"
     )
     sources = {

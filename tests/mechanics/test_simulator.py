@@ -36,6 +36,7 @@ def test_a_motion_has_the_variables_and_units_of_the_data_contract(simulator, mo
         "contact_force_sensitivity": (("time", "body", "axis", "parameter"), "N"),
         "force_sensitivity": (("time", "joint", "parameter"), "N"),
         "deformation_sensitivity": (("time", "joint", "parameter"), "m"),
+        "deformation_rate_sensitivity": (("time", "joint", "parameter"), "m s-1"),
     }
     assert motion["body"].values.tolist() == ["wall", "mass"]
     assert motion["parameter"].values.tolist() == ["body.mass.mass"]
@@ -167,9 +168,14 @@ def test_a_parameter_without_a_value(laws, against_wall):
         Simulator(against_wall("crush_plateau", {"elastic_stiffness": 1.0}), laws)
 
 
-def test_a_plane_model(laws, model):
-    with pytest.raises(CrashkitError, match="model against the wall: expected one axis, found x, y"):
+def test_a_plane_model_without_inertia(laws, model):
+    with pytest.raises(CrashkitError, match="body mass: expected one number for inertia, found 0"):
         Simulator(evolve(model, axes=("x", "y")), laws)
+
+
+def test_an_engine_for_another_number_of_axes(laws, model):
+    with pytest.raises(CrashkitError, match="model against the wall: expected an engine for 1 axes, found one for 2"):
+        Simulator(model, laws, compile_engine(functions_of(model, laws), axes=2))
 
 
 def test_an_engine_for_other_laws(laws, model):

@@ -3,6 +3,9 @@ from pathlib import Path
 
 import pytest
 
+from crashkit.errors import CrashkitError
+from crashkit.model import Model
+from crashkit.model.toml import read_model
 from crashkit.protocols import ParameterSpec, SpringLaw
 
 
@@ -104,3 +107,26 @@ def cases() -> Path:
     if not folder.is_dir() and not os.environ.get("CI"):
         pytest.skip(f"no sample cases in {folder}; CRASHKIT_CASES names another folder")
     return folder
+
+
+@pytest.fixture
+def read(tmp_path, laws):
+    """Reads a text as a model."""
+
+    def read_text(text: str, **options) -> Model:
+        (tmp_path / "model.toml").write_text(text, encoding="utf-8")
+        return read_model(tmp_path / "model.toml", laws, **options)
+
+    return read_text
+
+
+@pytest.fixture
+def faults(read, tmp_path):
+    """The lines of the error that a text gives, without the file's name."""
+
+    def faults_of_text(text: str, **options) -> list[str]:
+        with pytest.raises(CrashkitError, match="model.toml: ") as caught:
+            read(text, **options)
+        return [line.removeprefix(f"{tmp_path / 'model.toml'}: ") for line in str(caught.value).splitlines()]
+
+    return faults_of_text

@@ -2,7 +2,7 @@ import pytest
 import xarray as xr
 
 from crashkit.errors import ContractError
-from crashkit.model import Body, Joint, Model, Parameter
+from crashkit.model import Body, GivenMotion, Joint, Model, Parameter
 from crashkit.model.checks import check_model, check_recording_against_model
 
 
@@ -64,3 +64,45 @@ def test_the_initial_state_of_more_bodies_or_fewer_is_no_fault(model):
 def test_an_initial_state_along_another_axis(model):
     with pytest.raises(ContractError, match=r'^run.nc: initial/axis: expected the model\'s "x", found "y"$'):
         check_recording_against_model(recording(["engine"], ["engine"], axis="y"), model, "run.nc")
+
+
+@pytest.fixture
+def plane() -> Model:
+    car = Body("car", (-2.0, 0.0), (10.0, 0.0), Parameter(1000.0), inertia=(Parameter(1500.0),))
+    sled = Body("sled", (5.0, 0.0), (0.0, 0.0), motion=GivenMotion((0.0, 1.0), ((5.0, 0.0), (6.0, 0.0))))
+    return Model("car", ("x", "y"), (car, sled), ())
+
+
+def initial(axes: str, quaternion: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0)) -> xr.DataTree:
+    turning = {
+        "orientation": (("body", "quaternion"), [quaternion]),
+        "angular_velocity": (("body", "axis"), [[0.0] * len(axes)]),
+    }
+    return xr.DataTree.from_dict({"initial": xr.Dataset(turning, {"body": ["car"], "axis": list(axes)})})
+
+
+def test_a_recording_in_the_plane_may_hold_how_bodies_turn(plane):
+    check_recording_against_model(initial("xyz"), plane, "run.nc")
+
+
+def test_a_plane_turns_about_the_axis_across_it(plane):
+    message = r'^run.nc: initial/angular_velocity: expected the model\'s "z", found "x", "y"$'
+    with pytest.raises(ContractError, match=message):
+        check_recording_against_model(initial("xy"), plane, "run.nc")
+
+
+def test_an_initial_state_without_an_axis_of_the_plane(plane):
+    with pytest.raises(ContractError, match=r'^run.nc: initial/axis: expected the model\'s "y", found "x", "z"$'):
+        check_recording_against_model(initial("xz"), plane, "run.nc")
+
+
+def test_an_initial_orientation_that_is_no_unit_quaternion(plane):
+    message = r'^run.nc: initial/orientation: expected quaternions of length 1, found one of length 1.5 at body "car"$'
+    with pytest.raises(ContractError, match=message):
+        check_recording_against_model(initial("xyz", (0.0, 0.0, 0.0, 1.5)), plane, "run.nc")
+
+
+def test_one_axis_knows_nothing_of_turning(model):
+    tree = initial("x", (0.0, 0.0, 0.0, 1.5))
+    tree["initial"] = xr.DataTree(tree["initial"].to_dataset().assign_coords(body=["engine"]))
+    check_recording_against_model(tree, model, "run.nc")

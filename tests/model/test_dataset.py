@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from crashkit.data.netcdf import read_tree, write_tree
 from crashkit.errors import ContractError
-from crashkit.model import Body, InstrumentErrors, Joint, Model, Parameter
-from crashkit.model.dataset import model_from_dataset, model_to_dataset
+from crashkit.model import Body, GivenForce, GivenMotion, InstrumentErrors, Joint, Model, Parameter
+from crashkit.model.dataset import MODEL, model_from_dataset, model_to_dataset
 from crashkit.testing.strategies import models
 
 
@@ -37,6 +37,33 @@ def model() -> Model:
     )
 
 
+@pytest.fixture
+def plane() -> Model:
+    motion = GivenMotion((0.0, 0.1), ((-2.0, 0.0), (-1.0, 0.1)), ((0.0,), (0.2,)))
+    force = GivenForce((0.0, 0.05, 0.1), ((0.0, 0.0), (10.0, 0.0), (0.0, 0.0)), ((0.0,), (3.0,), (0.0,)))
+    return Model(
+        "drop",
+        ("x", "y"),
+        (
+            Body("barrier", (0.0, 0.0), (0.0, 0.0), fixed=True, orientation=(0.5,)),
+            Body("pusher", (-2.0, 0.0), (0.0, 0.0), motion=motion),
+            Body("lift", (2.0, 0.0), (0.0, 0.0), motion=GivenMotion((0.0, 1.0), ((2.0, 0.0), (2.0, 1.0)))),
+            Body(
+                "box",
+                (-0.5, 0.0),
+                (10.0, 0.0),
+                Parameter(280.0),
+                inertia=(Parameter(90.0, 0.0, 100.0),),
+                angular_velocity=(0.1,),
+                force=force,
+            ),
+            Body("load", (-0.5, 1.0), (10.0, 0.0), Parameter(30.0), inertia=(Parameter(2.0),)),
+        ),
+        (Joint("face", ("barrier", "box"), "linear", {}, normal=(-1.0, 0.0)), Joint("line", ("box", "load"), "linear", {})),
+        gravity=(0.0, -9.81),
+    )
+
+
 def test_is_a_table_of_parameters_and_the_structure(model):
     dataset = model_to_dataset(model)
     assert dataset["parameter"].values.tolist() == list(model.parameters())
@@ -47,18 +74,41 @@ def test_is_a_table_of_parameters_and_the_structure(model):
     assert dataset.attrs == {"crashkit_schema": "crashkit-model/1", "name": "sled"}
 
 
-def test_the_example_leaves_no_field_at_its_default(model):
-    parts = [model, *model.bodies, *model.joints, *model.instruments]
+def test_the_examples_leave_no_field_at_its_default(model, plane):
+    parts = [part for example in (model, plane) for part in (example, *example.bodies, *example.joints, *example.instruments)]
     for kind in {type(part) for part in parts}:
         for field in fields(kind):
             assert any(getattr(part, field.name) != field.default for part in parts if type(part) is kind), field.name
 
 
-def test_and_back(model):
+@pytest.mark.parametrize("name", ["model", "plane"])
+def test_and_back(name, request):
+    model = request.getfixturevalue(name)
     assert model_from_dataset(model_to_dataset(model)) == model
 
 
-def test_through_netcdf(tmp_path, model):
+def test_has_only_the_variables_that_the_model_needs(model, plane):
+    optional = {variable.name for variable in MODEL.variables if not variable.required}
+    assert not optional & set(model_to_dataset(model))
+    assert optional < set(model_to_dataset(plane))
+
+
+def test_moments_of_inertia_are_parameters_like_others(plane):
+    dataset = model_to_dataset(plane)
+    assert dataset["parameter"].values.tolist() == list(plane.parameters())
+    assert dataset["upper"].sel(parameter="body.box.inertia").item() == 100.0
+
+
+def test_samples_of_given_motions_name_their_body(plane):
+    dataset = model_to_dataset(plane)
+    assert dataset["motion_body"].values.tolist() == ["pusher", "pusher", "lift", "lift"]
+    assert dataset["motion_orientation"].values.ravel().tolist()[:2] == [0.0, 0.2]
+    assert np.isnan(dataset["motion_orientation"].values[2:]).all()
+
+
+@pytest.mark.parametrize("name", ["model", "plane"])
+def test_through_netcdf(tmp_path, name, request):
+    model = request.getfixturevalue(name)
     dataset = model_to_dataset(model)
     write_tree(xr.DataTree(dataset), tmp_path / "model.nc")
     found = read_tree(tmp_path / "model.nc").to_dataset()

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from crashkit.model import Body, Joint, Model, Parameter
-from crashkit.model.edit import fresh_name, with_body, with_factor, with_instrument_error, with_joint
+from crashkit.model.edit import fresh_name, with_body, with_factor, with_instrument_error, with_joint, without_joint
 
 MODEL = Model(
     "model",
@@ -25,6 +25,12 @@ def test_a_joint_and_a_body_come_last():
     assert changed.bodies == (*MODEL.bodies, body)
     assert changed.joints == (*MODEL.joints, joint)
     assert len(MODEL.bodies) == len(MODEL.joints) == 2
+
+
+def test_a_joint_is_taken_away():
+    assert without_joint(MODEL, "front").joints == MODEL.joints[1:]
+    with pytest.raises(KeyError, match="rear"):
+        without_joint(MODEL, "rear")
 
 
 def test_a_factor_multiplies_one_joint_and_adds_its_parameters():

@@ -13,29 +13,6 @@ from crashkit.protocols import Observer, ParameterSpec
 from crashkit.testing.strategies import models
 
 
-@pytest.fixture
-def read(tmp_path, laws):
-    """Reads a text as a model."""
-
-    def read_text(text: str, **options) -> Model:
-        (tmp_path / "model.toml").write_text(text, encoding="utf-8")
-        return read_model(tmp_path / "model.toml", laws, **options)
-
-    return read_text
-
-
-@pytest.fixture
-def faults(read, tmp_path):
-    """The lines of the error that a text gives, without the file's name."""
-
-    def faults_of_text(text: str, **options) -> list[str]:
-        with pytest.raises(CrashkitError, match="model.toml: ") as caught:
-            read(text, **options)
-        return [line.removeprefix(f"{tmp_path / 'model.toml'}: ") for line in str(caught.value).splitlines()]
-
-    return faults_of_text
-
-
 class TestReading:
     def test_a_small_model(self, read, text):
         stiffness = Parameter(1.1e6, 1.0, math.inf)
@@ -248,7 +225,8 @@ class TestFaults:
             (
                 "mass = 280",
                 "mas = 280\nmass = 280",
-                'body "engine": expected one of "name", "fixed", "mass", "position", "velocity", "carrier", found "mas"',
+                'body "engine": expected one of "name", "fixed", "mass", "inertia", "position", "orientation", "velocity", '
+                '"angular_velocity", "carrier", "motion", "force", found "mas"',
             ),
             ("position = [-0.55]", "", 'body "engine"/position: expected a list of numbers, found none'),
             (
@@ -393,10 +371,18 @@ class TestFaults:
     def test_lists(self, faults, text, parameters, expected):
         assert expected in faults(text.replace('"linear"', '"curve"').replace("stiffness = 1.1e6", parameters))
 
-    def test_only_one_axis(self, faults, text):
-        assert faults(text.replace('axes = ["x"]', 'axes = ["x", "y"]'))[0] == (
-            'axes: expected exactly one of "x", "y", "z" (this version simulates one axis), found "x", "y"'
+    @pytest.mark.parametrize("axes", ["[]", '["q"]', '["y", "x"]', '["x", "x"]', '["x", "y", "z", "x"]'])
+    def test_axes(self, faults, text, axes):
+        found = axes.strip("[]") or "none"
+        assert faults(text.replace('axes = ["x"]', f"axes = {axes}"))[0] == (
+            f'axes: expected one, two or three of "x", "y", "z", in this order, found {found}'
         )
+
+    def test_gravity(self, read, faults, text):
+        assert read(text.replace('axes = ["x"]', 'axes = ["z"]\ngravity = [-9.81]')).gravity == (-9.81,)
+        assert faults(text.replace('axes = ["x"]', 'axes = ["x"]\ngravity = [0.0, -9.81]')) == [
+            "gravity: expected one number for each of 1 axes, found 2 numbers"
+        ]
 
     def test_repeated_names(self, faults, text):
         body = '[[body]]\nname = "engine"\nmass = 1\nposition = [0]\n'
@@ -408,7 +394,7 @@ class TestFaults:
 
     def test_no_free_body(self, faults, text):
         assert faults(text.replace("mass = 280", "fixed = true").replace("velocity = [15.6]", "")) == [
-            "body: expected at least one body that is not fixed, found none"
+            "body: expected at least one body that forces move, found none"
         ]
 
     def test_single_brackets(self, faults, text):

@@ -1,20 +1,32 @@
-"""Accelerometers on bodies that do not turn."""
+"""Accelerometers: sensors at points of bodies that may turn."""
 
+import numpy as np
 import xarray as xr
 
 from crashkit.data.schema import Attribute, GroupSchema, Variable
+from crashkit.errors import CrashkitError
 from crashkit.protocols import Observer, SensorErrors
+from crashkit_accelerometers.chain import Own
+from crashkit_accelerometers.error_specs import AXES, CLOCK, POSITION_ERRORS, channel_errors
+from crashkit_accelerometers.point_acceleration import felt_by_points
+from crashkit_accelerometers.rigid_body import rigid_body_motion
 from crashkit_accelerometers.sensor_channel import (
     CHANNEL_FREQUENCY_CLASS,
     DIMS,
-    channel_errors,
+    bodies_of,
+    felt_in_laboratory,
+    own_errors,
     predict_channels,
     reconstruct_bodies,
 )
 
 
 class Accelerometer(Observer):
-    """Every point of a body that does not turn has its acceleration: a(t) = filter(gain x''(t - clock_offset) + bias)."""
+    """A sensor at the point p of a body feels a + alpha x R p + omega x (omega x R p), and records it with its own errors.
+
+    `frame` = "body": its axes turn with the body; "laboratory": they do not. Where a body does not turn, every point of it has its
+    acceleration.
+    """
 
     name = "accelerometer"
     schema = GroupSchema(
@@ -34,13 +46,39 @@ class Accelerometer(Observer):
     )
     quantity = "acceleration"
     channel = "sensor"
-    errors = channel_errors("m s-2")
-    instrument_errors = ("clock_offset",)
+    errors = (*channel_errors("m s-2", full_scale=1000.0), *POSITION_ERRORS)
+    instrument_errors = CLOCK
 
     def predict(self, motion: xr.Dataset, instrument: xr.Dataset, errors: SensorErrors | None = None) -> xr.Dataset:
         """The sensors' accelerations, as `Observer.predict` says."""
-        return predict_channels(self, motion, "acceleration", instrument, errors)
+        own = own_errors(self, instrument, errors)
+        bodies = bodies_of(self, motion, instrument)
+        if "orientation" in motion.variables:
+            felt = felt_by_points(motion, bodies, _points(instrument, own), instrument.attrs.get("frame") == "body")
+        else:
+            felt = felt_in_laboratory(self, motion, "acceleration", bodies)
+        return predict_channels(self, motion, instrument, own, felt)
 
     def reconstruct(self, instrument: xr.Dataset) -> xr.Dataset:
-        """The bodies' accelerations, (time, body, axis), each the mean of its sensors."""
-        return reconstruct_bodies(self, instrument, "acceleration")
+        """What the sensors tell of the motion without knowing how it began.
+
+        Returns:
+            On a line `acceleration` (time, body, axis), the mean of each body's sensors, and `acceleration_std` (body) where it is
+            stated; else what `rigid_body_motion` returns, for bodies whose axes are at first those of the laboratory.
+
+        Raises CrashkitError where no body has enough sensors, saying what is missing.
+        """
+        if instrument.sizes["axis"] == 1:
+            return reconstruct_bodies(self, instrument, "acceleration")
+        return rigid_body_motion(instrument)
+
+
+def _points(instrument: xr.Dataset, own: Own) -> np.ndarray:
+    """Where the sensors are, (sensor, 3) m; 0 along axes that the instrument does not have."""
+    points = np.stack([own[f"position_{axis}"] for axis in AXES], axis=-1)
+    if (points != points[:, :1]).any():
+        raise CrashkitError("accelerometer: expected the position errors of whole sensors, found those of single axes")
+    points = points[:, 0]
+    recorded = [AXES.index(axis) for axis in instrument.variables["axis"].values.tolist()]
+    points[:, recorded] += instrument.variables["sensor_point"].values
+    return points

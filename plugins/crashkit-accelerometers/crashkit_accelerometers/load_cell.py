@@ -5,17 +5,20 @@ import xarray as xr
 from crashkit.data.schema import GroupSchema, Variable
 from crashkit.errors import CrashkitError
 from crashkit.protocols import Observer, SensorErrors
+from crashkit_accelerometers.error_specs import CLOCK, channel_errors
 from crashkit_accelerometers.sensor_channel import (
     CHANNEL_FREQUENCY_CLASS,
     DIMS,
-    channel_errors,
+    bodies_of,
+    felt_in_laboratory,
+    own_errors,
     predict_channels,
     reconstruct_bodies,
 )
 
 
 class LoadCell(Observer):
-    """A load cell takes the whole force of the joints on its body: F(t) = filter(gain F_contact(t - clock_offset) + bias)."""
+    """A load cell takes the whole force of the joints on its body, and records it with its own errors."""
 
     name = "load_cell"
     schema = GroupSchema(
@@ -29,8 +32,8 @@ class LoadCell(Observer):
     )
     quantity = "force"
     channel = "sensor"
-    errors = channel_errors("N")
-    instrument_errors = ("clock_offset",)
+    errors = channel_errors("N", full_scale=1e6)
+    instrument_errors = CLOCK
 
     def predict(self, motion: xr.Dataset, instrument: xr.Dataset, errors: SensorErrors | None = None) -> xr.Dataset:
         """The force on each cell's body, as `Observer.predict` says; needs `contact_force` (time, body, axis) of the motion.
@@ -38,7 +41,8 @@ class LoadCell(Observer):
         Raises CrashkitError where several cells share a body: how they share its force is not known.
         """
         _refuse_shared_bodies(instrument)
-        return predict_channels(self, motion, "contact_force", instrument, errors)
+        felt = felt_in_laboratory(self, motion, "contact_force", bodies_of(self, motion, instrument))
+        return predict_channels(self, motion, instrument, own_errors(self, instrument, errors), felt)
 
     def reconstruct(self, instrument: xr.Dataset) -> xr.Dataset:
         """The force that each body receives, `contact_force` (time, body, axis).

@@ -1,5 +1,6 @@
 """Smoothers: values and derivatives from noisy samples."""
 
-from crashkit_smoothers.gcv_quintic import GcvQuintic
+from crashkit_smoothers.adaptive_quintic import AdaptiveQuintic
+from crashkit_smoothers.gcv_splines import GcvCubic, GcvHeptic, GcvQuintic
 
-__all__ = ["GcvQuintic"]
+__all__ = ["AdaptiveQuintic", "GcvCubic", "GcvHeptic", "GcvQuintic"]

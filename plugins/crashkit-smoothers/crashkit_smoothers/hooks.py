@@ -2,9 +2,10 @@
 
 from crashkit.protocols import Smoother
 from crashkit.registry import hookimpl
-from crashkit_smoothers.gcv_quintic import GcvQuintic
+from crashkit_smoothers.adaptive_quintic import AdaptiveQuintic
+from crashkit_smoothers.gcv_splines import GcvCubic, GcvHeptic, GcvQuintic
 
 
 @hookimpl
 def crashkit_smoothers() -> list[type[Smoother]]:
-    return [GcvQuintic]
+    return [AdaptiveQuintic, GcvCubic, GcvHeptic, GcvQuintic]

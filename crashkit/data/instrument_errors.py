@@ -1,0 +1,66 @@
+"""What every Observer's `predict` begins and ends with: error parameters by channel, places in a motion, coordinates."""
+
+from collections.abc import Sequence
+from functools import cache
+
+import numpy as np
+import xarray as xr
+
+from crashkit.errors import CrashkitError
+from crashkit.protocols import Observer, SensorErrors
+
+
+def error_values(
+    observer: Observer, channels: Sequence[str], axes: Sequence[str], errors: SensorErrors | None
+) -> dict[str, np.ndarray]:
+    """Every error parameter of an observer as one value for each channel and axis.
+
+    `errors` names the whole instrument "", a channel "head", or one axis of it "head/x"; what is named more closely wins.
+    Channels that the instrument does not have are passed over: a run may lack a sensor that others have.
+
+    Arguments:
+        observer: which declares `errors` and `instrument_errors`.
+        channels: the labels of the instrument's dimension of channels.
+        axes: the labels of the quantity's last dimension.
+        errors: as given to `predict`.
+
+    Returns:
+        Arrays (channel, axis) by the name of the parameter.
+
+    Raises CrashkitError for a parameter that is not declared, or not of a single channel.
+    """
+    shape = (len(channels), len(axes))
+    nulls = np.array([spec.null for spec in observer.errors], dtype=float)
+    block = np.repeat(nulls, len(channels) * len(axes)).reshape(len(nulls), *shape)
+    values = {spec.name: block[index] for index, spec in enumerate(observer.errors)}
+    for place, given in sorted((errors or {}).items(), key=lambda entry: (entry[0] != "", entry[0] not in channels)):
+        known = set(values) if place == "" else set(values) - set(observer.instrument_errors)
+        here = np.array([[place in ("", channel, f"{channel}/{axis}") for axis in axes] for channel in channels])
+        for name, value in given.items():
+            if name not in known:
+                raise CrashkitError(f"{observer.name} {place!r}: expected an error of {sorted(known)}, found {name!r}")
+            values[name][here.reshape(shape)] = value
+    return values
+
+
+def positions(observer: Observer, motion: xr.Dataset, dim: str, names: Sequence[str]) -> np.ndarray:
+    """Where these bodies or axes are along `dim` of a motion; raises CrashkitError for one that it does not have."""
+    known = motion.variables[dim].values.tolist()
+    missing = sorted(set(names) - set(known))
+    if missing:
+        expected = f"expected a {dim} of the motion ({', '.join(known)})"
+        raise CrashkitError(f"{observer.name}: {expected}, found {', '.join(missing)}")
+    return np.array([known.index(name) for name in names])
+
+
+def prediction_coordinates(observer: Observer, motion: xr.Dataset, instrument: xr.Dataset) -> xr.Coordinates:
+    """The coordinates of a prediction, without indexes: building those takes longer than predicting."""
+    variables = {"error": _error_names(type(observer))}
+    for source, dims in ((instrument, instrument.variables[observer.quantity].dims), (motion, ("parameter",))):
+        variables |= {str(dim): source.variables[dim] for dim in dims if dim in source.variables}
+    return xr.Coordinates(variables, indexes={})
+
+
+@cache
+def _error_names(observer: type[Observer]) -> xr.Variable:
+    return xr.Variable("error", [spec.name for spec in observer.errors])

@@ -1,0 +1,117 @@
+"""One joint along a given motion: its deformation, where it pushes, and how hard."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+from attrs import frozen
+from scipy.spatial.transform import Rotation
+
+from crashkit.mechanics.joint_law import JointLaw, Modes
+from crashkit.mechanics.laws.source import STATE
+from crashkit.model import Joint, Model
+
+XYZ = ("x", "y", "z")
+
+
+@frozen(eq=False)
+class Track:
+    """The force of a joint along a motion, and its derivatives.
+
+    Arguments:
+        law: what gives them.
+        state: (time, 3), deformation, its rate, and the largest deformation so far.
+        ends: of both bodies, the row and (time, axis) the force and, in several axes, the moment that a force of 1 N puts on it.
+    """
+
+    law: JointLaw
+    state: np.ndarray
+    ends: tuple[tuple[int, np.ndarray], tuple[int, np.ndarray]]
+
+    def modes(self, values: Mapping[str, float]) -> list[Modes]:
+        """The branches that each state takes."""
+        numbers = self.law.numbers(values)
+        return [self.law.modes(state, numbers) for state in self.state.tolist()]
+
+    def push(
+        self, modes: Sequence[Modes], values: Mapping[str, float], paths: Sequence[str]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The forces (time,), N, on given branches, and their derivatives (time, parameter) to `paths`."""
+        numbers = self.law.numbers(values)
+        rows = [self.law.evaluate(state, taken, numbers) for state, taken in zip(self.state.tolist(), modes, strict=True)]
+        force, slopes = np.array([force for force, _ in rows]), np.array([slopes for _, slopes in rows])
+        known = {path: slopes[:, len(STATE) + i] for i, path in enumerate(self.law.paths)}
+        # A longer free length deforms the joint more at every instant, and with it the largest deformation so far.
+        known[f"joint.{self.law.joint.name}.free_length"] = slopes[:, 0] + slopes[:, 2]
+        return force, np.array([known.get(path, np.zeros(len(force))) for path in paths]).reshape(len(paths), -1).T
+
+
+def track_of(model: Model, joint: Joint, law: JointLaw, motion: xr.Dataset) -> Track:
+    """A joint of a model along a motion, as `state_form` takes it (Mizzi & Jezequel 1992, eq 7-11)."""
+    first, second = (_End.of(model, joint, number, motion) for number in (0, 1))
+    apart, parting = second.place - first.place, second.speed - first.speed
+    direction, turning = _direction(model, joint, first, apart)
+    distance = (direction * apart).sum(axis=1)
+    rate = -(direction * parting + turning * apart).sum(axis=1)
+    deformation = (distance[0] if joint.free_length is None else joint.free_length.value) - distance
+    largest = np.maximum.accumulate(np.maximum(deformation, 0.0))
+    # Against the flat face of the first body both forces act at the point of the second.
+    first_arm = first.arm + apart if joint.normal is not None else first.arm
+    ends = (first.row, -_wrench(direction, first_arm)), (second.row, _wrench(direction, second.arm))
+    return Track(law, np.column_stack([deformation, rate, largest]), ends)
+
+
+def in_space(axes: Sequence[str], vector: Sequence[float]) -> np.ndarray:
+    """A vector along the axes of a model as one along those of a motion: its one axis, or all three."""
+    if len(axes) == 1:
+        return np.array(vector, dtype=float)
+    return np.array([vector[axes.index(axis)] if axis in axes else 0.0 for axis in XYZ])
+
+
+def rotations(motion: xr.Dataset, body: str) -> Rotation:
+    """The orientations of a body along a motion."""
+    return Rotation.from_quat(motion["orientation"].sel(body=body).transpose("time", "quaternion").values, scalar_first=True)
+
+
+@frozen(eq=False)
+class _End:
+    """The attachment of a joint on a body: its row, its arm from the centre of mass, its place and speed, (time, axis)."""
+
+    row: int
+    arm: np.ndarray
+    place: np.ndarray
+    speed: np.ndarray
+    spin: np.ndarray
+    frame: Rotation | None
+
+    @classmethod
+    def of(cls, model: Model, joint: Joint, number: int, motion: xr.Dataset) -> "_End":
+        name = joint.bodies[number]
+        point = joint.points[number] if joint.points else (0.0,) * len(model.axes)
+        position, velocity = (motion[q].sel(body=name).transpose("time", "axis").values for q in ("position", "velocity"))
+        row = [body.name for body in model.bodies].index(name)
+        own = in_space(model.axes, point)
+        if len(model.axes) == 1:
+            arm = np.broadcast_to(own, position.shape)
+            return cls(row, arm, position + arm, velocity, np.zeros_like(position), None)
+        frame = rotations(motion, name)
+        arm, spin = frame.apply(own), motion["angular_velocity"].sel(body=name).transpose("time", "axis").values
+        return cls(row, arm, position + arm, velocity + np.cross(spin, arm), spin, frame)
+
+
+def _direction(model: Model, joint: Joint, first: _End, apart: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where a joint pushes its second body, (time, axis), and how fast that direction turns as far as the distance feels it."""
+    if first.frame is None:
+        ends = [model.body(name).position[0] for name in joint.bodies]
+        points = joint.points or ((0.0,), (0.0,))
+        side = 1.0 if ends[1] + points[1][0] >= ends[0] + points[0][0] else -1.0
+        return np.full_like(apart, side), np.zeros_like(apart)
+    if joint.normal is not None:
+        normal = first.frame.apply(in_space(model.axes, joint.normal))
+        return normal, np.cross(first.spin, normal)
+    return apart / np.linalg.norm(apart, axis=1, keepdims=True), np.zeros_like(apart)
+
+
+def _wrench(direction: np.ndarray, arm: np.ndarray) -> np.ndarray:
+    """A unit force and, in several axes, its moment."""
+    return direction if direction.shape[1] == 1 else np.hstack([direction, np.cross(arm, direction)])

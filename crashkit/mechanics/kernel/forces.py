@@ -1,0 +1,102 @@
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
+"""Forces and accelerations at a stage of a step."""
+
+import math
+
+from crashkit.mechanics.kernel.arrays import JOINTS, TOTAL
+from crashkit.mechanics.kernel.line import DOF, locate, measure, rates, respond
+from crashkit.mechanics.kernel.stand_ins import compiled, law_frozen
+
+# ---- compiled from here ----
+
+
+@compiled
+def kinematics(bodies, joint, state, row):
+    """Deformation and rate of a joint, whose gradient is taken anew."""
+    n = DOF * bodies.size
+    a, b = n + DOF * joint.first, n + DOF * joint.second
+    d = joint.rest - measure(bodies, joint, state, row)
+    ddot = 0.0
+    for i in range(DOF):
+        ddot += joint.gradient[i] * state[row, a + i] + joint.gradient[DOF + i] * state[row, b + i]
+    joint.d = d
+    joint.ddot = ddot
+    return d, ddot
+
+
+@compiled
+def joint_force(joint, functions, parameters, state, row, d, ddot):
+    """Force of a joint on its frozen branches, and its smallest guard; the rates of its memories go to the state."""
+    size = state.shape[1] // 2
+    d_max, guard = joint.d_max, joint.d_max - d
+    if joint.loading:
+        d_max, guard = d, ddot
+    force = 1.0
+    for f in range(joint.start, joint.stop):
+        function = functions[f]
+        memory, z = function.memory, 0.0
+        if memory >= 0:
+            z = state[row, memory]
+            number, mode = function.memory_number, function.memory_mode
+            rate, distance = law_frozen(number, mode, d, ddot, d_max, z, parameters, function.offset)
+            state[row, size + memory] = rate
+            guard = min(guard, distance)
+        value, distance = law_frozen(function.number, function.mode, d, ddot, d_max, z, parameters, function.offset)
+        force *= value
+        guard = min(guard, distance)
+    return force, guard
+
+
+@compiled
+def begin_forces(bodies, state, row):
+    """Turn the frames to a stage and take all forces away."""
+    locate(bodies, state, row)
+    for body in bodies:
+        for i in range(DOF):
+            body.net[JOINTS, i] = 0.0
+
+
+@compiled
+def push(bodies, joint, force):
+    """Put the force of a joint on its bodies."""
+    joint.force = force
+    for i in range(DOF):
+        bodies[joint.first].net[JOINTS, i] -= force * joint.gradient[i]
+        bodies[joint.second].net[JOINTS, i] -= force * joint.gradient[DOF + i]
+
+
+@compiled
+def add_given(bodies, given, t, piece):
+    """Add the forces that are given to those of the joints."""
+    n, since = DOF * bodies.size, t - given[piece, 0]
+    for i in range(n):
+        body, k = bodies[i // DOF], i % DOF
+        body.net[TOTAL, k] = body.net[JOINTS, k] + given[piece, 1 + i] + since * given[piece, 1 + n + i]
+
+
+@compiled
+def accelerate(bodies, joints, functions, parameters, given, state, row, t, piece):
+    """Forces, and the derivative of the state, at a stage.
+
+    Returns:
+        the smallest guard (minus infinity: a force that is not finite) and its joint.
+    """
+    n = DOF * bodies.size
+    first, since = state.shape[1] // 2 + n, t - given[piece, 0]
+    begin_forces(bodies, state, row)
+    smallest, culprit = math.inf, NONE
+    for j in range(joints.size):
+        joint = joints[j]
+        d, ddot = kinematics(bodies, joint, state, row)
+        force, guard = joint_force(joint, functions, parameters, state, row, d, ddot)
+        if not (math.isfinite(force) and math.isfinite(d)):
+            guard = -math.inf
+        if guard < smallest:
+            smallest, culprit = guard, j
+        push(bodies, joint, force)
+    add_given(bodies, given, t, piece)
+    respond(bodies, state, row)
+    for i in range(n):
+        state[row, first + i] += given[piece, 1 + 2 * n + i] + since * given[piece, 1 + 3 * n + i]
+    rates(bodies, state, row)
+    return smallest, culprit

@@ -1,0 +1,100 @@
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
+"""The geometry of one axis: a joint keeps the direction that it has at t = 0."""
+
+from crashkit.mechanics.kernel.arrays import TOTAL
+from crashkit.mechanics.kernel.stand_ins import compiled
+
+# ---- compiled from here ----
+
+DOF, AXES = 1, 1
+CURVED = False
+"""Whether the direction of a joint changes with the positions."""
+
+
+@compiled
+def locate(bodies, state, row):
+    """Turn the bodies' frames to a stage: none turns."""
+
+
+@compiled
+def settle(bodies, state):
+    """Make the end of a step the origin of rotations."""
+
+
+@compiled
+def measure(bodies, joint, state, row):
+    """The distance of a joint's ends, and the gradient of its deformation."""
+    side = joint.places[6]
+    joint.gradient[0] = side
+    joint.gradient[1] = -side
+    joint.gradient[2] = side
+    joint.gradient[3] = -side
+    return side * (state[row, joint.second] + joint.places[3] - state[row, joint.first] - joint.places[0])
+
+
+@compiled
+def curve(bodies, joint, state, row):
+    """The derivatives of the gradient: none."""
+
+
+@compiled
+def to_rotations(bodies, state, tangent, row, chart):
+    """Derivatives of the positions become those of the rotations: they are."""
+
+
+@compiled
+def to_rotations_adjoint(bodies, state, backward, chart):
+    """The adjoint of `to_rotations`."""
+
+
+@compiled
+def rates(bodies, state, row):
+    """The derivatives of the positions."""
+    size = state.shape[1] // 2
+    for i in range(bodies.size):
+        state[row, size + i] = state[row, bodies.size + i]
+
+
+@compiled
+def rates_tangent(bodies, state, tangent, row):
+    """The derivatives of `rates` to the columns."""
+    size = state.shape[1] // 2
+    for i in range(bodies.size):
+        for c in range(tangent.shape[2]):
+            tangent[row, size + i, c] = tangent[row, bodies.size + i, c]
+
+
+@compiled
+def respond(bodies, state, row):
+    """The accelerations under their forces."""
+    first = state.shape[1] // 2 + bodies.size
+    for i in range(bodies.size):
+        state[row, first + i] = bodies[i].inverse_mass * bodies[i].net[TOTAL, 0]
+
+
+@compiled
+def respond_tangent(bodies, net_tangent, state, tangent, row):
+    """The derivatives of `respond` to the columns."""
+    first = state.shape[1] // 2 + bodies.size
+    for i in range(bodies.size):
+        inverse_mass, column = bodies[i].inverse_mass, bodies[i].mass_column
+        for c in range(tangent.shape[2]):
+            tangent[row, first + i, c] = inverse_mass * net_tangent[i, c]
+        if column >= 0:
+            tangent[row, first + i, column] -= inverse_mass * inverse_mass * bodies[i].net[TOTAL, 0]
+
+
+@compiled
+def respond_adjoint(bodies, state, row, response, load, backward, body_gradient):
+    """Carry the adjoint of the accelerations back to forces (`load`), rotations and rates (`backward`) and inertia."""
+    for i in range(bodies.size):
+        inverse_mass = bodies[i].inverse_mass
+        load[i] = inverse_mass * response[i]
+        body_gradient[i, 6] -= inverse_mass * inverse_mass * bodies[i].net[TOTAL, 0] * response[i]
+
+
+@compiled
+def rates_adjoint(bodies, state, row, response, backward):
+    """Carry the adjoint of the derivatives of the positions back."""
+    for i in range(bodies.size):
+        backward[bodies.size + i] += response[i]

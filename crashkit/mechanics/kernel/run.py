@@ -1,0 +1,308 @@
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
+"""A run from t = 0 through the times asked for; many runs."""
+
+import math
+
+from crashkit.mechanics.kernel.arrays import (
+    D_MAX,
+    DEFORMATION,
+    END,
+    FORCE,
+    JOINTS,
+    NONE,
+    RATE,
+    REST,
+    START,
+)
+from crashkit.mechanics.kernel.forces import accelerate, kinematics
+from crashkit.mechanics.kernel.line import AXES, CURVED, DOF, locate, settle
+from crashkit.mechanics.kernel.stand_ins import compiled
+from crashkit.mechanics.kernel.steps import RESOLUTION, choose_branches, find_step
+from crashkit.mechanics.kernel.tangents import (
+    accelerate_tangent,
+    crossing_tangent,
+    deformation_tangent,
+    freeze_tangent,
+    step_tangent,
+)
+
+# ---- compiled from here ----
+
+DONE = 0
+NO_PROGRESS = 1
+NOT_FINITE = 2
+FULL = 3
+MEETING = 4
+
+MAX_CROSSINGS = 1000
+"""Within the time of one longest step."""
+
+
+@compiled
+def begin(bodies, joints, state, tangent, joint_tangent):
+    """Give the joints without a free length their distance at t = 0, and let them remember how they are compressed."""
+    settle(bodies, state)
+    locate(bodies, state, START)
+    for j in range(joints.size):
+        joint, own = joints[j], joint_tangent[j]
+        at_start = math.isnan(joint.rest)
+        if at_start:
+            joint.rest = 0.0
+        d = kinematics(bodies, joint, state, START)[0]
+        deformation_tangent(joint, tangent, own, START)
+        if at_start:
+            joint.rest, d = -d, 0.0
+            for c in range(tangent.shape[2]):
+                own[REST, c] = -own[DEFORMATION, c]
+        joint.d_max = max(0.0, d)
+        joint.loading = 0
+        for c in range(tangent.shape[2]):
+            own[D_MAX, c] = own[DEFORMATION, c] if d > 0.0 else 0.0
+
+
+@compiled
+def meeting(joints):
+    """The joint whose direction has turned by more than a right angle within a step: its attachments have met."""
+    if CURVED:
+        for j in range(joints.size):
+            joint, turned = joints[j], 0.0
+            for i in range(AXES):
+                turned += joint.aim[i] * joint.gradient[i]
+                joint.aim[i] = joint.gradient[i]
+            if turned < 0.0:
+                return j
+    return NONE
+
+
+@compiled
+def write(bodies, joints, state, tangent, joint_tangent, net_tangent, values, tangents, k):
+    """The state at START becomes entry k of the record."""
+    end = state.shape[1]
+    for i in range(end):
+        values[k, i] = state[START, i]
+        for c in range(tangent.shape[2]):
+            tangents[k, i, c] = tangent[START, i, c]
+    for j in range(joints.size):
+        values[k, end] = joints[j].force
+        values[k, end + 1] = joints[j].d
+        values[k, end + 2] = joints[j].ddot
+        for c in range(tangent.shape[2]):
+            tangents[k, end, c] = joint_tangent[j, FORCE, c]
+            tangents[k, end + 1, c] = joint_tangent[j, DEFORMATION, c]
+            tangents[k, end + 2, c] = joint_tangent[j, RATE, c]
+        end += 3
+    for i in range(DOF * bodies.size):
+        values[k, end + i] = bodies[i // DOF].net[JOINTS, i % DOF]
+        for c in range(tangent.shape[2]):
+            tangents[k, end + i, c] = net_tangent[i, c]
+    end += DOF * bodies.size
+    if AXES == 3:
+        for i in range(4 * bodies.size):
+            values[k, end + i] = bodies[i // 4].frame[9 + i % 4]
+
+
+@compiled
+def remember(bodies, joints, functions, state, t, piece, k, history, s):
+    """The step that begins at START becomes entry s of the history."""
+    end = state.shape[1] // 2
+    for i in range(end):
+        history[s, i] = state[START, i]
+    history[s, end] = t
+    history[s, end + 1] = piece
+    history[s, end + 2] = k
+    end += 3
+    for joint in joints:
+        history[s, end] = joint.d_max
+        history[s, end + 1] = joint.loading
+        end += 2
+    for function in functions:
+        history[s, end] = function.mode
+        history[s, end + 1] = function.memory_mode
+        end += 2
+    if AXES == 3:
+        for i in range(4 * bodies.size):
+            history[s, end + i] = bodies[i // 4].frame[9 + i % 4]
+
+
+@compiled
+def change_branches(bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, t, piece, guard, culprit, ahead):
+    """Change to the branches beyond a crossing; returns the smallest guard there and its joint."""
+    size, jumps = state.shape[1] // 2, False
+    if tangent.shape[2] > 0:
+        freeze_tangent(bodies, joints, state, tangent, joint_tangent)
+        if culprit >= 0:
+            joint, own = joints[culprit], joint_tangent[culprit]
+            kinematics(bodies, joint, state, START)
+            deformation_tangent(joint, tangent, own, START)
+            jumps = crossing_tangent(bodies, joint, functions, parameters, state, columns, partials, tangent, own, guard)
+    for i in range(size):
+        state[1, size + i] = state[START, size + i]
+    choose_branches(bodies, joints, functions, parameters, state, ahead)
+    smallest, joint_number = accelerate(bodies, joints, functions, parameters, given, state, START, t, piece)
+    if jumps:
+        for i in range(size):
+            jump = state[1, size + i] - state[START, size + i]
+            for c in range(tangent.shape[2]):
+                tangent[START, i, c] += jump * joint_tangent[culprit, FORCE, c]
+    return smallest, joint_number
+
+
+@compiled
+def integrate(
+    times,
+    step,
+    bodies,
+    joints,
+    functions,
+    parameters,
+    given,
+    state,
+    columns,
+    partials,
+    tangent,
+    joint_tangent,
+    net_tangent,
+    values,
+    tangents,
+    history,
+):
+    """Run from t = 0 through `times`; returns how it ended, the joint concerned, the time and the number of steps."""
+    t, since, crossings, k, piece, s = 0.0, 0.0, 0, START, START, START
+    crossing, ahead = True, 0.0
+    guard, culprit = math.inf, NONE
+    size = state.shape[1] // 2
+    begin(bodies, joints, state, tangent, joint_tangent)
+    while True:
+        while piece + 1 < given.shape[0] and given[piece + 1, 0] <= t + RESOLUTION * step:
+            piece += 1
+            crossing = True
+        if crossing:
+            guard, culprit = change_branches(
+                bodies,
+                joints,
+                functions,
+                parameters,
+                given,
+                state,
+                columns,
+                partials,
+                tangent,
+                joint_tangent,
+                t,
+                piece,
+                guard,
+                culprit,
+                ahead,
+            )
+        if guard == -math.inf or crossings > MAX_CROSSINGS:
+            return NOT_FINITE if guard == -math.inf or ahead > 0.0 else NO_PROGRESS, culprit, t, s
+        if tangent.shape[2] > 0:
+            accelerate_tangent(
+                bodies,
+                joints,
+                functions,
+                parameters,
+                given,
+                state,
+                columns,
+                partials,
+                tangent,
+                joint_tangent,
+                net_tangent,
+                START,
+                t,
+                piece,
+            )
+        due = NONE
+        if times[k] - t <= RESOLUTION * step:
+            t = times[k]
+            write(bodies, joints, state, tangent, joint_tangent, net_tangent, values, tangents, k)
+            due = k
+            k += 1
+        if history.shape[0] > 0:
+            if s == history.shape[0]:
+                return FULL, NONE, t, s
+            remember(bodies, joints, functions, state, t, piece, due, history, s)
+            s += 1
+        if k == times.size:
+            return DONE, NONE, t, s
+        remaining = times[k] - t
+        longest = remaining / max(1.0, math.ceil(remaining / step - 1e-6))
+        h, crossing, ahead, guard, culprit = find_step(
+            bodies, joints, functions, parameters, given, state, t, piece, longest, guard, step
+        )
+        met = meeting(joints)
+        if met != NONE:
+            return MEETING, met, t, s
+        if tangent.shape[2] > 0:
+            step_tangent(
+                bodies,
+                joints,
+                functions,
+                parameters,
+                given,
+                state,
+                columns,
+                partials,
+                tangent,
+                joint_tangent,
+                net_tangent,
+                t,
+                piece,
+                h,
+            )
+        for i in range(state.shape[1]):
+            state[START, i] = state[END, i]
+        settle(bodies, state)
+        t += h
+        if t - since > step:
+            since, crossings = t, 0
+        crossings += crossing
+
+
+@compiled
+def integrate_many(
+    times,
+    step,
+    bodies,
+    joints,
+    functions,
+    parameters,
+    given,
+    starts,
+    state,
+    columns,
+    partials,
+    tangent,
+    joint_tangent,
+    net_tangent,
+    values,
+    tangents,
+    history,
+    ends,
+):
+    """Many runs of one model; `ends` (run, 3) is how each ended, the joint concerned and the time."""
+    for r in range(bodies.shape[0]):
+        for i in range(starts.shape[1]):
+            state[START, i] = starts[r, i]
+        status, culprit, t, s = integrate(
+            times,
+            step,
+            bodies[r],
+            joints[r],
+            functions,
+            parameters[r],
+            given,
+            state,
+            columns,
+            partials,
+            tangent,
+            joint_tangent,
+            net_tangent,
+            values[r],
+            tangents,
+            history,
+        )
+        ends[r, 0] = status
+        ends[r, 1] = culprit
+        ends[r, 2] = t

@@ -1,0 +1,31 @@
+# mypy: disable-error-code=empty-body
+"""Stands for what an engine puts before the kernel's text: the compiler, the laws, and the geometry of its number of axes."""
+
+from crashkit.mechanics.kernel.arrays import Floats
+
+
+def compiled(function):  # type: ignore[no-untyped-def]
+    """The compiler."""
+    return function
+
+
+def law_mode(number: int, d: float, ddot: float, d_max: float, z: float, p: Floats, o: int) -> int:
+    """The branches that function `number` takes."""
+
+
+def law_frozen(
+    number: int, mode: int, d: float, ddot: float, d_max: float, z: float, p: Floats, o: int
+) -> tuple[float, float]:
+    """Value and smallest guard with the branches of `mode`."""
+
+
+def law_partials(
+    number: int, mode: int, d: float, ddot: float, d_max: float, z: float, p: Floats, o: int, out: Floats
+) -> float:
+    """Value, and into `out` its derivatives to d, ddot, d_max, z and the parameters."""
+
+
+def law_guard(
+    number: int, mode: int, d: float, ddot: float, d_max: float, z: float, p: Floats, o: int, out: Floats
+) -> float:
+    """Smallest guard, and into `out` its derivatives, for a function whose value may jump; minus infinity for the others."""

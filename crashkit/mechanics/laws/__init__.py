@@ -1,0 +1,1 @@
+"""From the source of a spring law to the functions that the engine calls: its branches, guards and derivatives."""

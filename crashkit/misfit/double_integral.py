@@ -1,0 +1,120 @@
+"""From the readings of accelerometers to what another instrument would have shown of the same body, and how sure that is."""
+
+import numpy as np
+import xarray as xr
+from attrs import frozen
+from scipy.interpolate import CubicSpline
+
+from crashkit.misfit.noise import channel_noise
+from crashkit.protocols import Observer
+
+MODES = 12
+"""Cosines of the noise: an integral over time leaves the faster ones a share of 1 / MODES^2 and less."""
+ROTATION = ("orientation", "angular_velocity", "angular_acceleration")
+
+
+@frozen
+class Watcher:
+    """An instrument, or those of its channels that watch one body."""
+
+    observer: Observer
+    group: xr.Dataset
+
+    @property
+    def bodies(self) -> list[str]:
+        """Whom each channel watches."""
+        return [str(body) for body in self.group[f"{self.observer.channel}_body"].values]
+
+    @property
+    def samples(self) -> np.ndarray:
+        """Its readings, (time, column)."""
+        values = self.group[self.observer.quantity].values.astype(float)
+        return values.reshape(len(values), -1)
+
+    @property
+    def noise(self) -> np.ndarray:
+        """The standard deviation of each column over as many samples as make one that is independent, (column,)."""
+        shape = self.group[self.observer.quantity].shape[1:]
+        place = list(self.group[self.observer.quantity].dims[1:]).index(self.observer.channel)
+        channels = np.indices(shape)[place].ravel()
+        times, samples = self.group["time"].values, self.samples
+        noises = [
+            channel_noise(self.group, self.observer.quantity, int(channel), samples[:, column], times)
+            for column, channel in enumerate(channels)
+        ]
+        return np.array([noise.std * np.sqrt(noise.correlation) for noise in noises])
+
+    def on(self, body: str) -> "Watcher":
+        """The channels on one body."""
+        return Watcher(self.observer, self.group.isel({self.observer.channel: [it == body for it in self.bodies]}))
+
+    def with_samples(self, samples: np.ndarray) -> "Watcher":
+        """The same instrument with other readings, (time, column)."""
+        quantity = self.group[self.observer.quantity]
+        return Watcher(self.observer, self.group.assign({quantity.name: quantity.copy(data=samples.reshape(quantity.shape))}))
+
+
+@frozen
+class Route:
+    """From accelerometers on a body to what `film` would have shown of it.
+
+    Arguments:
+        film, accelerometer: their channels on the body.
+        state: its `position` and `velocity` (body, axis) at t = 0, if known; else 0.
+    """
+
+    film: Watcher
+    accelerometer: Watcher
+    state: xr.Dataset | None
+
+    def shown(self, samples: np.ndarray | None = None, faster: np.ndarray | float = 0.0) -> np.ndarray:
+        """The film's columns, (time, column), NaN where the accelerometers do not tell.
+
+        Arguments:
+            samples: of the accelerometers, other than those recorded.
+            faster: added to the velocity at t = 0, m s-1, (axis,).
+        """
+        source = self.accelerometer if samples is None else self.accelerometer.with_samples(samples)
+        felt = source.observer.reconstruct(source.group)
+        felt = felt.isel(time=np.isfinite(felt["acceleration"]).all(("body", "axis")).values)
+        return self.film.with_samples(self._predicted(self._motion(felt, faster))).samples
+
+    def noise(self) -> np.ndarray:
+        """What a standard deviation of each cosine of the accelerometers' noise changes, (time, column, cosine)."""
+        samples, base = self.accelerometer.samples, self.shown()
+        count = len(samples)
+        cosines = np.cos(np.pi * np.outer(np.arange(MODES), np.arange(count) + 0.5) / count)
+        cosines /= np.linalg.norm(cosines, axis=1, keepdims=True)
+        changes = []
+        for column, std in enumerate(self.accelerometer.noise):
+            for cosine in cosines:
+                noisy = samples.copy()
+                noisy[:, column] += std * cosine
+                changes.append(self.shown(noisy) - base)
+        return np.stack(changes, axis=-1)
+
+    @property
+    def axes(self) -> int:
+        """How many axes the body moves along."""
+        return int(self.accelerometer.observer.reconstruct(self.accelerometer.group).sizes["axis"])
+
+    def _motion(self, felt: xr.Dataset, faster: np.ndarray | float) -> xr.Dataset:
+        """The double integral; before the first sample the motion is uniform."""
+        times, acceleration = felt["time"].values, felt["acceleration"].values[:, 0]
+        start, speed = (self._known(felt, name) for name in ("position", "velocity"))
+        gained = CubicSpline(times, acceleration).antiderivative()
+        velocity = speed + faster + gained(times)
+        position = start + np.outer(times, np.ones(len(start))) * (speed + faster) + gained.antiderivative()(times)
+        dims = ("time", "body", "axis")
+        variables = {"position": (dims, position[:, None]), "velocity": (dims, velocity[:, None])}
+        return felt[["acceleration", *(name for name in ROTATION if name in felt)]].assign(variables)
+
+    def _known(self, felt: xr.Dataset, name: str) -> np.ndarray:
+        axes = felt["axis"].values
+        if self.state is None:
+            return np.zeros(len(axes))
+        return self.state[name].sel(body=felt["body"].values[0]).reindex(axis=axes, fill_value=0.0).values
+
+    def _predicted(self, motion: xr.Dataset) -> np.ndarray:
+        quantity = self.film.observer.quantity
+        return np.asarray(self.film.observer.predict(motion, self.film.group)[quantity].values)

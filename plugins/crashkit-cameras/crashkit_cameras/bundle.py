@@ -1,0 +1,203 @@
+"""Cameras and points together, from all their images: the most probable, and how far both may be off."""
+
+import numpy as np
+from attrs import frozen
+from scipy.linalg import block_diag
+
+from crashkit_cameras.prior import Expectation
+from crashkit_cameras.projection import PARAMETERS, Cameras, depths, project, project_with_derivatives
+
+TAIL = 8.0
+"""Degrees of freedom of Student's distribution of a reading's error: normal, but for blunders."""
+STEPS = 100
+HOPELESS = 1e12
+"""A damping at which no step is left to speak of."""
+FIXED = 1e30
+"""Information on a number that is not to move."""
+ENOUGH = 1e-6
+"""A gain in the logarithm of the density that is not worth another step."""
+
+
+@frozen(eq=False)
+class Readings:
+    """Images of points.
+
+    Attributes:
+        image: (view, point, 2), pixel, NaN where a point is hidden.
+        std: (view, point), pixel.
+        known: (point, 3), m, the points' surveyed places (any number where nothing is known).
+        known_std: (point,), m: 0 for a point whose place is exact, infinite for a marker.
+    """
+
+    image: np.ndarray
+    std: np.ndarray
+    known: np.ndarray
+    known_std: np.ndarray
+
+    @property
+    def seen(self) -> np.ndarray:
+        """Which readings there are, (view, point)."""
+        return np.isfinite(self.image).all(axis=2)
+
+    def residuals(self, cameras: Cameras, points: np.ndarray) -> np.ndarray:
+        """(recorded - predicted) / std, (view, point, 2), 0 where hidden."""
+        residual = (self.image - project(cameras, points)) / self.std[..., None]
+        return np.where(self.seen[..., None], residual, 0.0)
+
+
+@frozen(eq=False)
+class Estimate:
+    """Where cameras and points most probably are.
+
+    Attributes:
+        cameras, points: (point, 3).
+        cost: the negative logarithm of the posterior density, but for a constant.
+        covariance: of the cameras' steps, (16 view, 16 view).
+    """
+
+    cameras: Cameras
+    points: np.ndarray
+    cost: float
+    covariance: np.ndarray
+
+
+def robust_weight(square: np.ndarray) -> np.ndarray:
+    """The weight of a reading whose squared residual, in standard deviations, is `square`: near 1, small for blunders."""
+    return np.asarray((TAIL + 2.0) / (TAIL + square))
+
+
+def adjust(cameras: Cameras, points: np.ndarray, readings: Readings, expectation: Expectation) -> Estimate:
+    """The most probable cameras and points, by Levenberg and Marquardt's method; the points are eliminated from each step.
+
+    Minimises (nu + 2)/2 Σ log(1 + |e|²/nu) + Σ |X - X_known|² / 2 σ_known² + the prior's cost,
+    e the residuals in standard deviations, and nu their TAIL.
+
+    Arguments:
+        cameras, points: to start from.
+        readings: at least the control points'.
+        expectation: of the cameras.
+    """
+    cost, damping = _cost(cameras, points, readings, expectation), 1e-3
+    for _ in range(STEPS):
+        equations = normal_equations(cameras, points, readings, expectation)
+        before = cost
+        while damping < HOPELESS:
+            step, shift = equations.step(damping)
+            trial = cameras.moved(step), points + shift
+            cost = _cost(*trial, readings, expectation)
+            if cost <= before:
+                cameras, points = trial
+                break
+            cost, damping = before, 8.0 * damping
+        damping = max(0.1 * damping, 1e-9)
+        if before - cost < ENOUGH:
+            break
+    covariance = normal_equations(cameras, points, readings, expectation).covariance()
+    return Estimate(cameras, points, cost, covariance)
+
+
+@frozen(eq=False)
+class NormalEquations:
+    """The equations of one step, all in standard deviations.
+
+    Attributes:
+        to_camera: derivatives of the readings, (view, point, 2, 16).
+        to_point: (view, point, 2, 3).
+        camera: information on the cameras, (16 view, 16 view), and its right-hand side.
+        point: inverse of the information on each point, (point, 3, 3): 0 where the point is exact.
+        cross: between the cameras and each point, (point, 16 view, 3).
+    """
+
+    to_camera: np.ndarray
+    to_point: np.ndarray
+    camera: np.ndarray
+    camera_right: np.ndarray
+    point: np.ndarray
+    point_right: np.ndarray
+    cross: np.ndarray
+
+    def step(self, damping: float) -> tuple[np.ndarray, np.ndarray]:
+        """Steps of the cameras (view, 16) and of the points (point, 3)."""
+        reduced = self._reduced() + damping * np.diag(np.diag(self.camera))
+        right = self.camera_right - np.einsum("pci,pij,pj->c", self.cross, self.point, self.point_right, optimize=True)
+        step = np.linalg.solve(reduced, right)
+        shift = self.point @ (self.point_right - step @ self.cross)[..., None]
+        return step.reshape(-1, PARAMETERS), shift[..., 0]
+
+    def covariance(self) -> np.ndarray:
+        """Of the cameras' steps; what nothing determines has a very large variance."""
+        reduced = self._reduced()
+        scale = 1.0 / np.sqrt(np.diag(reduced))
+        values, vectors = np.linalg.eigh(scale[:, None] * reduced * scale)
+        root = scale[:, None] * vectors / np.sqrt(np.maximum(values, 1e-14))
+        return np.asarray(root @ root.T)
+
+    def redundancy(self) -> np.ndarray:
+        """How many of the two coordinates of each reading are left to judge its noise by, (view, point).
+
+        2 - trace of the covariance of the fitted reading, in variances of the reading.
+        """
+        covariance = self.covariance()
+        gain = self.cross @ self.point
+        left = np.full(self.to_point.shape[:2], 2.0)
+        for view, (to_camera, to_point) in enumerate(zip(self.to_camera, self.to_point, strict=True)):
+            response = -(to_point @ gain.transpose(0, 2, 1))
+            response[..., PARAMETERS * view : PARAMETERS * (view + 1)] += to_camera
+            left[view] -= ((response @ covariance) * response).sum(axis=(1, 2))
+            left[view] -= ((to_point @ self.point) * to_point).sum(axis=(1, 2))
+        return left
+
+    def _reduced(self) -> np.ndarray:
+        """The information on the cameras once the points follow them."""
+        gain = (self.cross @ self.point).transpose(1, 0, 2).reshape(len(self.camera), -1)
+        return np.asarray(self.camera - gain @ self.cross.transpose(1, 0, 2).reshape(len(self.camera), -1).T)
+
+
+def normal_equations(cameras: Cameras, points: np.ndarray, readings: Readings, expectation: Expectation) -> NormalEquations:
+    """The equations of a step from these cameras and points."""
+    residual = readings.residuals(cameras, points)
+    weight = np.where(readings.seen, np.sqrt(robust_weight((residual**2).sum(axis=2))), 0.0)
+    _, to_point, to_camera = project_with_derivatives(cameras, points)
+    to_camera *= ~expectation.held()[:, None, None, :]
+    scale = (weight / readings.std)[..., None, None]
+    to_camera, to_point, residual = to_camera * scale, to_point * scale, residual * weight[..., None]
+    camera, camera_right = _camera_equations(cameras, to_camera, residual, expectation)
+    inverse, point_right = _point_equations(points, to_point, residual, readings)
+    cross = to_camera.transpose(1, 0, 3, 2) @ to_point.transpose(1, 0, 2, 3)
+    cross = cross.reshape(len(points), len(camera), 3)
+    return NormalEquations(to_camera, to_point, camera, camera_right, inverse, point_right, cross)
+
+
+def _camera_equations(
+    cameras: Cameras, to_camera: np.ndarray, residual: np.ndarray, expectation: Expectation
+) -> tuple[np.ndarray, np.ndarray]:
+    flat = to_camera.reshape(len(cameras), -1, PARAMETERS)
+    blocks = flat.transpose(0, 2, 1) @ flat
+    right = (flat.transpose(0, 2, 1) @ residual.reshape(len(cameras), -1, 1))[..., 0]
+    weight = expectation.weight(cameras)
+    right -= weight * expectation.difference(cameras)
+    diagonal = np.where(expectation.held(), FIXED, weight)
+    return block_diag(*blocks) + np.diag(diagonal.ravel()), right.ravel()
+
+
+def _point_equations(
+    points: np.ndarray, to_point: np.ndarray, residual: np.ndarray, readings: Readings
+) -> tuple[np.ndarray, np.ndarray]:
+    exact = readings.known_std == 0.0
+    precision = np.where(exact, 1.0, readings.known_std) ** -2.0
+    information = (to_point.transpose(0, 1, 3, 2) @ to_point).sum(axis=0) + precision[:, None, None] * np.eye(3)
+    right = (to_point * residual[..., None]).sum(axis=(0, 2)) - precision[:, None] * (points - readings.known)
+    inverse = np.linalg.inv(information)
+    inverse[exact] = 0.0
+    return inverse, right
+
+
+def _cost(cameras: Cameras, points: np.ndarray, readings: Readings, expectation: Expectation) -> float:
+    """Infinite where a point would be behind a camera."""
+    if not (depths(cameras, points)[readings.seen] > 0.0).all():
+        return np.inf
+    square = (readings.residuals(cameras, points) ** 2).sum(axis=2)
+    surveyed = (readings.known_std > 0.0) & np.isfinite(readings.known_std)
+    shift = (points - readings.known)[surveyed] / readings.known_std[surveyed, None]
+    misfit = 0.5 * (TAIL + 2.0) * np.log1p(square / TAIL).sum() + 0.5 * (shift**2).sum()
+    return float(misfit + expectation.cost(cameras))

@@ -1,0 +1,125 @@
+"""What is known of a camera before it is calibrated: pixels are square, lenses bend little, their centre is the image's."""
+
+import math
+
+import numpy as np
+from attrs import frozen
+
+from crashkit_cameras.projection import PARAMETERS, Cameras
+
+
+@frozen
+class Prior:
+    """Scales of Student's distributions about an ideal camera.
+
+    They hold small values to zero and give way to large ones: a number that the readings do not determine stays near its
+    ideal value, one that they determine to be far off costs only the logarithm of its distance.
+    Infinity: nothing is known; 0: the number is ideal.
+
+    Attributes:
+        pixel_shape: of the logarithm of the aspect and of the skew.
+        centre: of the principal point about the middle of the image, in half diagonals of the image; without the size of
+            the image its middle is a guess, and GUESSED is the least that holds.
+        radial: of the shift by k1, k2 and k3 at the image's corner, as shares of its distance from the principal point.
+        decentring: of the shift by p1 and p2, likewise.
+    """
+
+    pixel_shape: float = 1e-4
+    centre: float = 0.03
+    radial: tuple[float, float, float] = (0.03, 0.01, 0.003)
+    decentring: float = 2e-4
+
+
+GUESSED = 0.1
+PIXEL_TAIL, CENTRE_TAIL, LENS_TAIL = 1.0, 4.0, 4.0
+"""Degrees of freedom: pixels are square or not at all, centres and lenses are good or less good."""
+UNKNOWN = Prior(math.inf, math.inf, (math.inf,) * 3, math.inf)
+"""Nothing is known: the sixteen coefficients by maximum likelihood, as the paper has them."""
+UNDISTORTED = Prior(math.inf, math.inf, (0.0,) * 3, 0.0)
+"""No distortion, all else unknown: eleven coefficients."""
+
+
+@frozen(eq=False)
+class Frame:
+    """Where the images have their middles (view, 2) and how long their half diagonals are (view,), pixel."""
+
+    middle: np.ndarray
+    half_diagonal: np.ndarray
+    guessed: np.ndarray
+
+
+@frozen(eq=False)
+class Expectation:
+    """A prior in the units of certain cameras: means, scales and degrees of freedom of their numbers, (view, 16)."""
+
+    mean: np.ndarray
+    scale: np.ndarray
+    tail: np.ndarray
+
+    def cost(self, cameras: Cameras) -> float:
+        """The negative logarithm of the density, but for a constant."""
+        tail = self.tail[self._known()]
+        return float((0.5 * (tail + 1.0) * np.log1p(self._deviation(cameras) ** 2 / tail)).sum())
+
+    def weight(self, cameras: Cameras) -> np.ndarray:
+        """Weights w (view, 16) with which w (number - mean)² / 2 has the slope of the cost, and lies above it."""
+        weight = np.zeros_like(self.scale)
+        known = self._known()
+        tail = self.tail[known]
+        weight[known] = (tail + 1.0) / self.scale[known] ** 2 / (tail + self._deviation(cameras) ** 2)
+        return weight
+
+    def difference(self, cameras: Cameras) -> np.ndarray:
+        """number - mean, (view, 16)."""
+        return cameras.numbers() - self.mean
+
+    def held(self) -> np.ndarray:
+        """Which numbers are not to be changed at all, (view, 16)."""
+        return self.scale == 0.0
+
+    def _known(self) -> np.ndarray:
+        return np.isfinite(self.scale) & ~self.held()
+
+    def _deviation(self, cameras: Cameras) -> np.ndarray:
+        known = self._known()
+        return self.difference(cameras)[known] / self.scale[known]
+
+
+def expectation(prior: Prior, frame: Frame, focal: np.ndarray) -> Expectation:
+    """The prior in the units of some cameras.
+
+    Arguments:
+        prior: of every camera.
+        frame: of their images.
+        focal: (view,), pixel, roughly.
+    """
+    corner = frame.half_diagonal / focal
+    mean, scale = np.zeros((len(focal), PARAMETERS)), np.full((len(focal), PARAMETERS), np.inf)
+    tail = np.full_like(mean, LENS_TAIL)
+    mean[:, 9:11] = frame.middle
+    scale[:, 7:9], tail[:, 7:9] = prior.pixel_shape, PIXEL_TAIL
+    centre = np.where(frame.guessed, max(prior.centre, GUESSED), prior.centre) * frame.half_diagonal
+    scale[:, 9:11], tail[:, 9:11] = centre[:, None], CENTRE_TAIL
+    for power, share in enumerate(prior.radial):
+        scale[:, 11 + power] = share / corner ** (2 * power + 2)
+    scale[:, 14:] = prior.decentring / corner[:, None]
+    return Expectation(mean, scale, tail)
+
+
+def frame_of(image: np.ndarray, size: np.ndarray | None) -> Frame:
+    """The images' middles and half diagonals.
+
+    Where their size is not known, it is guessed: the readings leave equal margins, and pixels count from a corner unless
+    some are negative.
+
+    Arguments:
+        image: (view, point, 2), pixel, all readings, NaN where hidden.
+        size: (view, 2), pixel, if known.
+    """
+    if size is not None:
+        return Frame(0.5 * size, 0.5 * np.linalg.norm(size, axis=1), np.zeros(len(image), dtype=bool))
+    least, most = np.nanmin(image, axis=(0, 1)), np.nanmax(image, axis=(0, 1))
+    middle, extent = 0.5 * (least + most), 0.5 * (most - least)
+    half = min(float(np.linalg.norm(np.where(least < 0.0, extent, middle))), 2.0 * float(np.linalg.norm(extent)))
+    views = len(image)
+    return Frame(np.tile(middle, (views, 1)), np.full(views, half), np.ones(views, dtype=bool))

@@ -1,0 +1,196 @@
+"""A target's place by least squares: pattern, light and contrast fitted to the image around it."""
+
+from typing import NamedTuple
+
+import numpy as np
+from attrs import frozen
+from scipy.ndimage import binary_dilation
+
+from crashkit_cameras.tracking.pattern import Pattern
+
+LIGHT = 7
+"""Values that say how bright the pattern is: ground and its gradient, contrast and its gradient, tone."""
+CONTRAST = 3
+TONE = 6
+TOLERANCES = (np.inf, 1.0, 0.5, 0.25)
+"""Parts of the contrast by which a pixel may differ from the fit, round by round."""
+OUTLIER_DEVIATIONS = 4.0
+LEAST_PIXELS_PER_VALUE = 2
+ITERATIONS = 20
+DAMPING = 1e-3
+STILL = 1e-3
+MOVED = 0.5
+HOPELESS = 0.2
+MODEL_ERROR = 0.002
+"""pixel; what edges that are not blurred by a normal distribution add to the noise."""
+
+
+@frozen
+class Fit:
+    """A target found in an image.
+
+    Attributes:
+        pattern: that was fitted.
+        shape: of the pattern; the first two values are its centre, pixel.
+        covariance: of the centre, pixel^2, (2, 2).
+        contrast: half the difference of bright and dark, in the image's units; negative where they have changed places.
+        quality: the share of the image's variation in the target that the pattern explains, 0 to 1.
+    """
+
+    pattern: Pattern
+    shape: np.ndarray
+    covariance: np.ndarray
+    contrast: float
+    quality: float
+
+    @property
+    def centre(self) -> np.ndarray:
+        """u, v, pixel."""
+        return self.shape[:2]
+
+    @property
+    def radius(self) -> float:
+        """Of the disc with the target's area, pixel."""
+        return self.pattern.radius(self.shape)
+
+    @property
+    def std(self) -> np.ndarray:
+        """Standard deviation of u and of v, pixel."""
+        return np.sqrt(np.diag(self.covariance))
+
+
+class Patch(NamedTuple):
+    """The pixels around a target: their places and their brightness."""
+
+    u: np.ndarray
+    v: np.ndarray
+    grey: np.ndarray
+
+
+def fit(pattern: Pattern, image: np.ndarray, shape: np.ndarray) -> Fit | None:
+    r"""Fit a pattern to an image, from a start that is off by less than half a radius.
+
+    The image at the pixel x, with m the pattern's mean over the pixel's square, and k > 0 where bright is bright:
+
+        I(x) = b + b'x + (k + k'x) m(x; shape) + h (1 - m^2)
+
+    by Gauss-Newton with Marquardt's damping. Pixels far from the fit (glints, something in front) are left out, in rounds
+    that become stricter. The covariance is White's (1980, doi:10.2307/1912934): it also holds for noise that differs from
+    pixel to pixel.
+
+    Arguments:
+        image: brightness, (row v, column u).
+        shape: where and how the target is expected; see the pattern.
+
+    Returns None where the target is not whole in the image, or where the fit does not come to rest.
+    """
+    origin, values = shape[:2], None
+    for tolerance in TOLERANCES:
+        patch = cut(pattern, image, shape)
+        if patch is None:
+            return None
+        problem = _Problem(pattern, patch, origin)
+        start = problem.lit(shape) if values is None else values
+        values = problem.converge(start, problem.near(start, tolerance))
+        if values is None or problem.quality(values) < HOPELESS:
+            return None
+        shape = values[LIGHT:]
+        used = problem.near(values, TOLERANCES[-1])
+        if used.all() and np.hypot(*(values - start)[LIGHT : LIGHT + 2]) < MOVED:
+            break
+    return problem.result(values, used)
+
+
+def cut(pattern: Pattern, image: np.ndarray, shape: np.ndarray) -> Patch | None:
+    """The pixels that a pattern describes; None where some are outside the image, or where there are too few."""
+    reach = pattern.reach(shape)
+    low, high = np.floor(shape[:2] - reach).astype(int), np.ceil(shape[:2] + reach).astype(int)
+    if np.any(high < 0) or np.any(low >= image.shape[::-1]):
+        return None
+    u, v = np.meshgrid(np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1))
+    inside = pattern.inside(shape, u, v)
+    u, v = u[inside], v[inside]
+    if u.size < LEAST_PIXELS_PER_VALUE * (LIGHT + pattern.fitted):
+        return None
+    if min(u.min(), v.min()) < 0 or u.max() >= image.shape[1] or v.max() >= image.shape[0]:
+        return None
+    return Patch(u, v, image[v, u].astype(float))
+
+
+class _Problem:
+    """Residuals and derivatives of light and pattern on the pixels of a patch; values are light, then shape."""
+
+    def __init__(self, pattern: Pattern, patch: Patch, origin: np.ndarray) -> None:
+        self.pattern, self.patch = pattern, patch
+        self.plane = np.stack([np.ones(patch.u.size), patch.u - origin[0], patch.v - origin[1]])
+
+    def model(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The residual of the image, and the derivatives of the model to the values, (value, pixel)."""
+        m, to_shape = self.pattern.values(values[LIGHT:], self.patch.u, self.patch.v)
+        tone = (1.0 - m * m) * self.pattern.toned
+        light = np.concatenate([self.plane, m * self.plane, tone[None]])
+        slope = values[CONTRAST:TONE] @ self.plane - 2.0 * values[TONE] * m
+        slopes = np.zeros((len(values), m.size))
+        slopes[:LIGHT] = light
+        slopes[LIGHT : LIGHT + self.pattern.fitted] = slope * to_shape
+        return self.patch.grey - values[:LIGHT] @ light, slopes
+
+    def lit(self, shape: np.ndarray) -> np.ndarray:
+        """The light that fits a shape best, then the shape."""
+        residual, slopes = self.model(np.append(np.zeros(LIGHT), shape))
+        return np.append(np.linalg.lstsq(slopes[:LIGHT].T, residual, rcond=None)[0], shape)
+
+    def near(self, values: np.ndarray, tolerance: float) -> np.ndarray:
+        """Which pixels lie, as their neighbours do, as near to the fit as noise, or as a part of the contrast."""
+        if tolerance == np.inf:
+            return np.ones(self.patch.grey.size, dtype=bool)
+        distance = np.abs(self.model(values)[0])
+        noise = 1.4826 * np.median(distance)
+        far = distance > max(OUTLIER_DEVIATIONS * noise, tolerance * abs(values[CONTRAST]))
+        if not far.any():
+            return ~far
+        u, v = self.patch.u - self.patch.u.min(), self.patch.v - self.patch.v.min()
+        outliers = np.zeros((v.max() + 1, u.max() + 1), dtype=bool)
+        outliers[v, u] = far
+        return ~binary_dilation(outliers)[v, u]
+
+    def converge(self, values: np.ndarray, used: np.ndarray) -> np.ndarray | None:
+        """Least squares on some of the pixels; None where it does not come to rest."""
+        residual, slopes = self.model(values)
+        damping = DAMPING
+        for _ in range(ITERATIONS):
+            trial = values + _step(residual[used], slopes[:, used], damping)
+            trial[LIGHT:] = self.pattern.bounded(trial[LIGHT:])
+            trial_residual, trial_slopes = self.model(trial)
+            moved = np.hypot(*(trial - values)[LIGHT : LIGHT + 2])
+            if np.sum(trial_residual[used] ** 2) <= np.sum(residual[used] ** 2):
+                values, residual, slopes = trial, trial_residual, trial_slopes
+                damping *= 0.1
+            else:
+                damping *= 10.0
+            if moved < STILL:
+                return values
+        return None
+
+    def result(self, values: np.ndarray, used: np.ndarray) -> Fit:
+        """The fit, with the covariance of its centre."""
+        residual, slopes = self.model(values)
+        gain = np.linalg.pinv(slopes[:, used].T)
+        leverage = np.sum(gain * slopes[:, used], axis=0)
+        error = gain[LIGHT : LIGHT + 2] * residual[used] / np.sqrt(1.0 - leverage.clip(max=0.99))
+        covariance = error @ error.T + MODEL_ERROR**2 * np.eye(2)
+        return Fit(self.pattern, values[LIGHT:], covariance, float(values[CONTRAST]), max(self.quality(values), 0.0))
+
+    def quality(self, values: np.ndarray) -> float:
+        """The share of the variation, beyond a gradient of the light, that the model explains."""
+        residual, _ = self.model(values)
+        unpatterned = self.patch.grey - self.plane.T @ np.linalg.lstsq(self.plane.T, self.patch.grey, rcond=None)[0]
+        return float(1.0 - np.sum(residual**2) / max(np.sum(unpatterned**2), np.finfo(float).tiny))
+
+
+def _step(residual: np.ndarray, slopes: np.ndarray, damping: float) -> np.ndarray:
+    """A damped Gauss-Newton step; 0 for values on which nothing depends."""
+    size = np.sqrt(np.sum(slopes * slopes, axis=1))
+    scaled = slopes / np.where(size > 0.0, size, 1.0)[:, None]
+    normal = scaled @ scaled.T + damping * np.eye(len(size))
+    return np.linalg.solve(normal, scaled @ residual) / np.where(size > 0.0, size, 1.0)

@@ -1,0 +1,56 @@
+"""The misfit of the equations of motion themselves: measured accelerations against forces at the measured state."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+
+from crashkit.mechanics.state_form import StateForm
+from crashkit.misfit import Misfit
+from crashkit_identifiers.recorded import laws_of
+from crashkit_identifiers.wrapped import SameVariables
+
+
+class EquationError(SameVariables):
+    """r = (a - f(X) U - g(X)) / s over every instant and moving body, with a and X measured (Mizzi & Jezequel 1992, eq 33).
+
+    Nothing is simulated, so nothing can go astray; but the noise of X biases the forces, and the smoothing rounds their corners.
+
+    Arguments:
+        misfit: of the model to the recordings.
+        measured: the motion of each run, as `measured_motion` gives it.
+    """
+
+    def __init__(self, misfit: Misfit, measured: Mapping[str, xr.Dataset]) -> None:
+        super().__init__(misfit)
+        self.misfit = misfit
+        self._runs = [_Run(misfit, motion) for motion in measured.values()]
+
+    def residual_and_jacobian(self, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What the equations leave of the measured accelerations, and its derivatives to the search variables."""
+        values = {path: p.value for path, p in self.misfit.model.parameters().items()} | self.misfit.values(scaled)
+        parts = [run.residual_and_jacobian(values, self.names) for run in self._runs]
+        residual, jacobian = (np.concatenate(side) for side in zip(*parts, strict=True))
+        return residual, jacobian * self.scaling(scaled)
+
+
+class _Run:
+    """The equations along the measured motion of one run."""
+
+    def __init__(self, misfit: Misfit, motion: xr.Dataset) -> None:
+        motion = motion.isel(time=np.isfinite(motion["acceleration"]).all(("body", "axis")).values)
+        self._form = StateForm(misfit.model, laws_of(misfit), motion)
+        self._moving = [row for row, body in enumerate(misfit.model.bodies) if not body.fixed]
+        names = [name for name in ("acceleration", "angular_acceleration") if name in motion]
+        self._measured = np.concatenate([motion[name].values for name in names], axis=2)[:, self._moving]
+        std = np.concatenate([motion[f"{name}_std"].values for name in names], axis=2)[:, self._moving]
+        size = np.sqrt(np.mean(std**2, axis=0))
+        self._weight = np.where(size > 0.0, 1.0 / np.where(size > 0.0, size, 1.0), 0.0)
+
+    def residual_and_jacobian(self, values: Mapping[str, float], names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
+        acceleration, matrix = self._form.at(values, self._form.modes(values))
+        residual = (self._measured - acceleration[:, self._moving]) * self._weight
+        slopes = np.zeros((*residual.shape, len(names)))
+        columns = [names.index(path) for path in self._form.paths]
+        slopes[..., columns] = -matrix[:, self._moving] * self._weight[..., None]
+        return residual.ravel(), slopes.reshape(-1, len(names))

@@ -1,0 +1,147 @@
+"""Levenberg-Marquardt steps within bounds: the search that several methods share, each on a problem of its own."""
+
+import numpy as np
+from attrs import evolve, field, frozen
+
+from crashkit.errors import SimulationError
+from crashkit.protocols import Problem, Status
+
+FIRST_DAMPING = 1e-3
+LARGEST_DAMPING = 1e12
+ATTEMPTS = 12
+LONGEST_STEP = 1.0
+"""Of a parameter that is searched in its logarithm: no step changes it by more than a factor e."""
+EXACT = 1e-22
+"""Share of the first cost that rounding leaves where a model fits exactly."""
+
+
+@frozen
+class Search:
+    """Where a search stands: the point, its cost, gradient and Gauss-Newton curvature, and the path so far."""
+
+    point: np.ndarray
+    cost: float
+    gradient: np.ndarray
+    curvature: np.ndarray
+    damping: float
+    status: Status
+    path: tuple[tuple[float, np.ndarray], ...] = field(default=())
+
+
+@frozen
+class Limits:
+    """When a search ends.
+
+    Arguments:
+        tolerance: relative drop in cost that a full step still has to promise.
+        least_drop: drop in cost that it still has to promise.
+        steps: after which the search ends unconverged.
+    """
+
+    tolerance: float = 1e-10
+    least_drop: float = 0.0
+    steps: int = 100
+
+
+def begin(problem: Problem) -> Search:
+    """The search at the problem's own start, brought within the bounds."""
+    lower, upper = problem.bounds()
+    return _search_at(problem, np.clip(problem.start(), lower, upper), FIRST_DAMPING, ())
+
+
+def advance(problem: Problem, search: Search, limits: Limits) -> Search:
+    """One accepted step, or a verdict that there is none.
+
+    minimise ½ |r(u)|²:  (JᵀJ + λ diag JᵀJ) Δu = -Jᵀr over the parameters that no bound holds.
+    """
+    if search.status is not Status.RUNNING:
+        return search
+    if len(search.path) > limits.steps:
+        return evolve(search, status=Status.STEP_LIMIT)
+    for _ in range(ATTEMPTS):
+        move = _move(problem, search)
+        promised = -(search.gradient @ move + 0.5 * move @ search.curvature @ move)
+        if promised <= max(limits.tolerance * search.cost, limits.least_drop, EXACT * search.path[0][0]):
+            return evolve(search, status=_verdict(search))
+        accepted = _attempt(problem, search, search.point + move, promised)
+        if accepted is not None:
+            return accepted
+        search = evolve(search, damping=min(search.damping * 8.0, LARGEST_DAMPING))
+    return evolve(search, status=Status.STALLED)
+
+
+def solve(problem: Problem, limits: Limits) -> Search:
+    """From start to end."""
+    search = begin(problem)
+    while search.status is Status.RUNNING:
+        search = advance(problem, search, limits)
+    return search
+
+
+def _search_at(problem: Problem, point: np.ndarray, damping: float, path: tuple[tuple[float, np.ndarray], ...]) -> Search:
+    """The cost and its derivatives at a point; where the model cannot be simulated, or blows up, the cost is infinite."""
+    cost, gradient, curvature = np.inf, np.zeros(len(point)), np.eye(len(point))
+    try:
+        # A trial far from the data may overflow: it is refused by its cost, which is no reason to warn.
+        with np.errstate(over="ignore", invalid="ignore"):
+            residual, jacobian = problem.residual_and_jacobian(point)
+            cost = 0.5 * float(residual @ residual)
+            gradient, curvature = jacobian.T @ residual, jacobian.T @ jacobian
+    except SimulationError:
+        pass
+    if not np.isfinite(cost) or not np.isfinite(curvature).all():
+        blank = np.zeros(len(point)), np.eye(len(point))
+        return Search(point, np.inf, *blank, damping, Status.FAILED, path)
+    path = (*path, (cost, problem.parameters(point)))
+    return Search(point, cost, gradient, curvature, damping, Status.RUNNING, path)
+
+
+def _move(problem: Problem, search: Search) -> np.ndarray:
+    """The damped Gauss-Newton step within the bounds: what they stop is held there, until the others' moves draw it back."""
+    lower, upper = _reach(problem, search)
+    scale = np.diag(search.curvature).copy()
+    scale[scale <= 0] = max(float(scale.max(initial=0.0)), 1.0) * 1e-12
+    damped = search.curvature + search.damping * np.diag(scale)
+    move = np.zeros(len(search.point))
+    free = np.ones(len(move), dtype=bool)
+    for _ in range(3 * len(move) + 1):
+        move[free] = _solve(search, scale, free, move)
+        target = search.point + move
+        outside = free & ((target < lower) | (target > upper))
+        move[outside] = np.clip(target, lower, upper)[outside] - search.point[outside]
+        slope = search.gradient + damped @ move
+        inward = ~free & np.where(target <= lower, slope < 0.0, slope > 0.0)
+        if not outside.any() and not inward.any():
+            break
+        free = free & ~outside if outside.any() else free | inward
+    return move
+
+
+def _reach(problem: Problem, search: Search) -> tuple[np.ndarray, np.ndarray]:
+    """The bounds of one step: those of the problem, and not too far in a logarithm."""
+    lower, upper = problem.bounds()
+    logarithmic = problem.scaling(search.point) != 1.0
+    lower = np.where(logarithmic, np.maximum(lower, search.point - LONGEST_STEP), lower)
+    return lower, np.where(logarithmic, np.minimum(upper, search.point + LONGEST_STEP), upper)
+
+
+def _solve(search: Search, scale: np.ndarray, free: np.ndarray, move: np.ndarray) -> np.ndarray:
+    root = np.sqrt(scale[free])
+    held = search.curvature[np.ix_(free, ~free)] @ move[~free]
+    matrix = search.curvature[np.ix_(free, free)] / np.outer(root, root) + search.damping * np.eye(int(free.sum()))
+    return -np.linalg.solve(matrix, (search.gradient[free] + held) / root) / root
+
+
+def _attempt(problem: Problem, search: Search, point: np.ndarray, promised: float) -> Search | None:
+    """The search at `point`, if it keeps enough of the promise."""
+    there = _search_at(problem, point, search.damping, search.path)
+    gained = search.cost - there.cost
+    if not gained > 1e-4 * promised:
+        return None
+    damping = search.damping / 5.0 if gained > 0.5 * promised else search.damping * 1.5
+    return evolve(there, damping=max(damping, 1e-15))
+
+
+def _verdict(search: Search) -> Status:
+    """A promise of nothing under heavy damping only says that the steps have become short."""
+    return Status.CONVERGED if search.damping < 1e4 else Status.STALLED

@@ -1,0 +1,27 @@
+"""What a method may need beyond residuals: the model, its laws, and when each residual was recorded."""
+
+import numpy as np
+
+from crashkit.errors import CrashkitError
+from crashkit.misfit import Misfit
+from crashkit.mechanics.layout import Laws
+from crashkit.protocols import Problem
+
+
+def with_recordings(problem: Problem, method: str) -> Misfit:
+    """The problem as the misfit of a model to recordings; raises CrashkitError where it is another kind of problem."""
+    if isinstance(problem, Misfit):
+        return problem
+    raise CrashkitError(f"{method}: expected a misfit of a model to recordings, found {type(problem).__name__}")
+
+
+def laws_of(misfit: Misfit) -> Laws:
+    """The laws and factors of the model, by name."""
+    return {function.law.name: function.law for function in misfit.predictor.simulator.engine.numbers}
+
+
+def row_times(misfit: Misfit) -> np.ndarray:
+    """s, when each residual was recorded."""
+    stamps = [np.repeat(group.times, group.recorded.shape[1]) for group in misfit.groups]
+    present = [np.isfinite(group.recorded).ravel() for group in misfit.groups]
+    return np.concatenate([times[mask] for times, mask in zip(stamps, present, strict=True)])

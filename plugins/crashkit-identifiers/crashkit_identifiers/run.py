@@ -1,0 +1,13 @@
+"""A whole identification."""
+
+from typing import Any
+
+from crashkit.protocols import Identification, Identifier, Problem, Status
+
+
+def run(identifier: Identifier[Any], problem: Problem) -> Identification:
+    """From start to finish."""
+    state = identifier.start(problem)
+    while state.status is Status.RUNNING:
+        state = identifier.step(problem, state)
+    return identifier.finish(problem, state)

@@ -1,0 +1,74 @@
+"""The state form: a regression of measured accelerations, which needs no simulation and hardly a start."""
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+import numpy as np
+import xarray as xr
+from attrs import evolve, frozen
+
+from crashkit.protocols import Identification, Identifier, Problem, Status
+from crashkit_identifiers.equation_error import EquationError
+from crashkit_identifiers.levenberg_marquardt import Limits, Search, advance, begin
+from crashkit_identifiers.measured import measured_motions, require_seen
+from crashkit_identifiers.recorded import with_recordings
+from crashkit_identifiers.result import Path, conclude
+
+
+@frozen(eq=False)
+class RegressionState:
+    """Where the regression stands, and the measured motion of each run."""
+
+    search: Search
+    measured: Mapping[str, xr.Dataset]
+
+    @property
+    def point(self) -> np.ndarray:
+        """In search variables."""
+        return self.search.point
+
+    @property
+    def cost(self) -> float:
+        """Of the equations of motion, not of the recordings."""
+        return self.search.cost
+
+    @property
+    def status(self) -> Status:
+        """Of the search."""
+        return self.search.status
+
+    @property
+    def path(self) -> Path:
+        """Of the search."""
+        return self.search.path
+
+
+@frozen
+class StateFormRegression(Identifier[RegressionState]):
+    """Least squares of x'' = f(X) U + g(X) on the measured state X (Mizzi & Jezequel 1992, eq 33).
+
+    Linear while no threshold is crossed at another instant than before, so it is solved again as the intervals move. It starts
+    other methods well. One axis; every body that a joint holds must be seen by an instrument.
+
+    Arguments:
+        step_limit: steps after which the search ends unconverged.
+    """
+
+    name: ClassVar[str] = "state_form"
+    step_limit: int = 60
+
+    def start(self, problem: Problem) -> RegressionState:
+        """The state at the problem's own start."""
+        misfit = with_recordings(problem, self.name)
+        measured = measured_motions(misfit)
+        require_seen(misfit, measured, self.name)
+        return RegressionState(begin(EquationError(misfit, measured)), measured)
+
+    def step(self, problem: Problem, state: RegressionState) -> RegressionState:
+        """One solution on the intervals that hold now."""
+        inner = EquationError(with_recordings(problem, self.name), state.measured)
+        return evolve(state, search=advance(inner, state.search, Limits(tolerance=1e-8, steps=self.step_limit)))
+
+    def finish(self, problem: Problem, state: RegressionState) -> Identification:
+        """The parameters, with what the recordings themselves say of them."""
+        return conclude(problem, state.point, state.status, state.path)
