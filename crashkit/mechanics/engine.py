@@ -22,6 +22,7 @@ HEADER = '''"""Written by crashkit.mechanics.engine; safe to delete."""
 
 import math
 
+import numpy as np
 from crashkit.mechanics.kernel.arrays import *
 from numba import njit
 
@@ -36,7 +37,7 @@ KERNEL_MARK = "# ---- compiled from here ----"
 KERNEL = Path(__file__).parent / "kernel"
 GEOMETRY = {1: "line", 2: "plane", 3: "space"}
 """The module of the kernel that knows the geometry, by number of axes."""
-MODULES = ("forces", "steps", "tangents", "run")
+MODULES = ("forces", "steps", "tangents", "run", "adjoint")
 ENTRIES = ("integrate", "integrate_many", "sweep")
 DATED = 1_000_000_000
 """Modification time of a generated module: the same whoever writes it, so that compiled code stays valid."""
@@ -79,7 +80,8 @@ def compile_engine(functions: Iterable[LawFunction], axes: int = 1) -> Engine:
 @cache
 def _engine(functions: tuple[LawFunction, ...], axes: int) -> Engine:
     source = _source(functions, axes)
-    key = hashlib.sha256(f"{numba.__version__} {sys.version} {source}".encode()).hexdigest()[:20]
+    names = (KERNEL / "arrays.py").read_text(encoding="utf-8")
+    key = hashlib.sha256(f"{numba.__version__} {sys.version} {names} {source}".encode()).hexdigest()[:20]
     numbers = {function: number for number, function in enumerate(functions)}
     return Engine(axes, numbers, _load(f"crashkit_engine_{key}", source))
 

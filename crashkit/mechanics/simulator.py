@@ -7,10 +7,11 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from crashkit.errors import CrashkitError, SimulationError
+from crashkit.mechanics.adjoint import history_of, seeds_of, sweep_back
 from crashkit.mechanics.engine import Engine, compile_engine
-from crashkit.mechanics.kernel.arrays import Floats, Record
-from crashkit.mechanics.kernel.run import DONE, MEETING, NOT_FINITE
-from crashkit.mechanics.layout import Laws, functions_of, lay_out
+from crashkit.mechanics.kernel.arrays import START, Floats, Record, Work
+from crashkit.mechanics.kernel.run import DONE, FULL, MEETING, NOT_FINITE
+from crashkit.mechanics.layout import Laws, Layout, functions_of, lay_out
 from crashkit.mechanics.motion import XYZ, motion_of
 from crashkit.mechanics.run import prepare, record_of, work_of
 from crashkit.model import Model
@@ -99,7 +100,7 @@ class Simulator:
         """The same as plain arrays, without the cost of a Dataset; arguments as of `run`, the times unchecked."""
         layout = prepare(self._layout, values or {}, initial)
         work = work_of(layout, self.engine, sensitivities)
-        instants = np.union1d(times, layout.given[layout.given[:, 0] < times[-1], 0]) if len(layout.given) > 1 else times
+        instants = _with_knots(times, layout)
         record = record_of(work, len(layout.axes), instants.size)
         status, joint, t, _ = self.engine.module.integrate(instants, float(step), *work, *record, NO_HISTORY)
         if status != DONE:
@@ -108,6 +109,66 @@ class Simulator:
             return record
         asked = np.searchsorted(instants, times)
         return Record(*(array[asked] if array.shape[0] else array for array in record))
+
+    def adjoint(
+        self,
+        times: ArrayLike,
+        weights: xr.Dataset,
+        values: Mapping[str, float] | None = None,
+        initial: xr.Dataset | None = None,
+        parameters: Sequence[str] | None = None,
+        step: float = 1e-4,
+    ) -> xr.DataArray:
+        """The gradient of sum(weights x motion) to any number of parameters, at the cost of a few runs.
+
+        Arguments:
+            times, values, initial, step: as of `run`.
+            weights: over the dims of a motion at `times`, for any of its quantities that have a sensitivity; a weight of a
+                small rotation is `rotation`.
+            parameters: paths to differentiate to; None: the model's free parameters.
+
+        Returns:
+            The derivative to each parameter, dim `parameter`.
+
+        Raises:
+            CrashkitError: a law whose force may jump; a quantity that a motion does not have.
+        """
+        instants = _checked(times)
+        paths = list(self.model.free_parameters() if parameters is None else parameters)
+        seeds = seeds_of(weights, instants, self.model.axes, self._names)
+        gradient = self.gradient(instants, seeds, paths, values, initial, step)
+        return xr.DataArray(gradient, {"parameter": paths}, ["parameter"], name="gradient")
+
+    def gradient(
+        self,
+        times: Floats,
+        seeds: Floats,
+        parameters: Sequence[str],
+        values: Mapping[str, float] | None = None,
+        initial: xr.Dataset | None = None,
+        step: float = 1e-4,
+    ) -> Floats:
+        """The same from plain arrays: `seeds` (time, entry) are the weights of a record's entries, all but quaternions."""
+        layout = prepare(self._layout, values or {}, initial)
+        work = work_of(layout, self.engine, ())
+        instants = _with_knots(times, layout)
+        history, steps = self._history(layout, work, instants, float(step))
+        return sweep_back(layout, work, self.engine, history, steps, np.searchsorted(instants, times), seeds, parameters)
+
+    def _history(self, layout: Layout, work: Work, instants: Floats, step: float) -> tuple[Floats, int]:
+        """The steps of a run, and how many they are; again with more room until they fit."""
+        room, start = int(instants[-1] / step) + 2 * instants.size + 100, work.state[START].copy()
+        rests = work.joints["rest"].copy()
+        while True:
+            history = history_of(work, len(layout.axes), room)
+            record = record_of(work, len(layout.axes), instants.size)
+            status, joint, t, steps = self.engine.module.integrate(instants, step, *work, *record, history)
+            if status == DONE:
+                return history, steps
+            if status != FULL:
+                raise SimulationError(self._failure(status, joint, t))
+            room *= 2
+            work.state[START], work.joints["rest"] = start, rests
 
     def _failure(self, status: int, number: int, t: float) -> str:
         joint = self.model.joints[number]
@@ -131,6 +192,12 @@ def simulate(
 ) -> xr.Dataset:
     """The motion of a model at `times`: one `Simulator.run`."""
     return Simulator(model, laws).run(times, values, initial, sensitivities, step)
+
+
+def _with_knots(times: Floats, layout: Layout) -> Floats:
+    """The times asked for, and those at which what is given changes its slope."""
+    knots = layout.given[:, 0]
+    return np.union1d(times, knots[knots < times[-1]]) if knots.size > 1 else times
 
 
 def _checked(times: ArrayLike) -> Floats:

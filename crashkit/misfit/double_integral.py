@@ -6,6 +6,7 @@ from attrs import frozen
 from scipy.interpolate import CubicSpline
 
 from crashkit.misfit.noise import channel_noise
+from crashkit.misfit.thin import FILTER_MARGIN, SEARCH_INTERVAL
 from crashkit.protocols import Observer
 
 MODES = 12
@@ -48,6 +49,15 @@ class Watcher:
         """The channels on one body."""
         return Watcher(self.observer, self.group.isel({self.observer.channel: [it == body for it in self.bodies]}))
 
+    def thinned(self) -> "Watcher":
+        """Fewer samples, evenly, the first and the last among them; no fewer than its filter class asks for."""
+        times = self.group["time"].values
+        filter_class = int(self.group.attrs.get("channel_frequency_class", 0))
+        wanted = min(SEARCH_INTERVAL, 1.0 / (FILTER_MARGIN * filter_class)) if filter_class else SEARCH_INTERVAL
+        most = max(1, int(wanted / float(np.median(np.diff(times))) + 1e-6))
+        step = max(step for step in range(1, most + 1) if (len(times) - 1) % step == 0)
+        return Watcher(self.observer, self.group.isel(time=slice(None, None, step)))
+
     def with_samples(self, samples: np.ndarray) -> "Watcher":
         """The same instrument with other readings, (time, column)."""
         quantity = self.group[self.observer.quantity]
@@ -80,17 +90,21 @@ class Route:
         return self.film.with_samples(self._predicted(self._motion(felt, faster))).samples
 
     def noise(self) -> np.ndarray:
-        """What a standard deviation of each cosine of the accelerometers' noise changes, (time, column, cosine)."""
-        samples, base = self.accelerometer.samples, self.shown()
+        """What a standard deviation of each cosine of the accelerometers' noise changes, (time, column, cosine).
+
+        The cosines are slow, so that fewer samples show the same, with a noise that is less by the root of their number.
+        """
+        few = Route(self.film, self.accelerometer.thinned(), self.state)
+        samples, base = few.accelerometer.samples, few.shown()
         count = len(samples)
         cosines = np.cos(np.pi * np.outer(np.arange(MODES), np.arange(count) + 0.5) / count)
         cosines /= np.linalg.norm(cosines, axis=1, keepdims=True)
         changes = []
-        for column, std in enumerate(self.accelerometer.noise):
+        for column, std in enumerate(self.accelerometer.noise * np.sqrt(count / len(self.accelerometer.samples))):
             for cosine in cosines:
                 noisy = samples.copy()
                 noisy[:, column] += std * cosine
-                changes.append(self.shown(noisy) - base)
+                changes.append(few.shown(noisy) - base)
         return np.stack(changes, axis=-1)
 
     @property

@@ -27,12 +27,16 @@ def test_its_motion_keeps_the_contract(example, motion_of):
     assert all(np.isfinite(variable.values).all() for variable in motion.data_vars.values())
 
 
-def test_its_command_names_it_and_works(tmp_path, monkeypatch, example, examples, command_of):
-    command = command_of(example)
-    assert command[:3] == ["crashkit", "simulate", f"docs/examples/{example}.toml"]
+def test_its_command_names_it(example, command_of):
+    assert command_of(example)[:3] == ["crashkit", "simulate", f"docs/examples/{example}.toml"]
+    assert command_of(example)[-2:] == ["--output", "motion.nc"]
+
+
+def test_a_command_works(tmp_path, monkeypatch, examples, command_of):
     monkeypatch.chdir(tmp_path)
-    assert main(["simulate", str(examples / f"{example}.toml"), *command[3:]]) == 0
-    assert read_motion(tmp_path / "motion.nc")["time"].values[-1] == float(command[4])
+    options = command_of("obstacles/rigid_barrier")[3:]
+    assert main(["simulate", str(examples / "obstacles" / "rigid_barrier.toml"), *options]) == 0
+    assert read_motion(tmp_path / "motion.nc")["time"].values[-1] == 0.12
 
 
 def test_is_checked_by_the_command_line(example, examples, capsys):

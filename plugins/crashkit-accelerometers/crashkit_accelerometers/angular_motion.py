@@ -9,8 +9,8 @@ from crashkit_accelerometers.sensor_array import SensorArray
 from crashkit_accelerometers.smoother import smoothed
 
 MOST_STEPS = 20
-CONVERGED = 1e-9
-"""rad s-1"""
+CONVERGED = 1e-6
+"""rad s-1; a step so small leaves its square."""
 
 
 class AngularMotion:

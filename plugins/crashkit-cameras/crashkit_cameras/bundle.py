@@ -77,14 +77,14 @@ def adjust(cameras: Cameras, points: np.ndarray, readings: Readings, expectation
         readings: at least the control points'.
         expectation: of the cameras.
     """
-    cost, damping = _cost(cameras, points, readings, expectation), 1e-3
+    cost, damping = posterior_cost(cameras, points, readings, expectation), 1e-3
     for _ in range(STEPS):
         equations = normal_equations(cameras, points, readings, expectation)
         before = cost
         while damping < HOPELESS:
             step, shift = equations.step(damping)
             trial = cameras.moved(step), points + shift
-            cost = _cost(*trial, readings, expectation)
+            cost = posterior_cost(*trial, readings, expectation)
             if cost <= before:
                 cameras, points = trial
                 break
@@ -192,8 +192,8 @@ def _point_equations(
     return inverse, right
 
 
-def _cost(cameras: Cameras, points: np.ndarray, readings: Readings, expectation: Expectation) -> float:
-    """Infinite where a point would be behind a camera."""
+def posterior_cost(cameras: Cameras, points: np.ndarray, readings: Readings, expectation: Expectation) -> float:
+    """What `adjust` minimises; infinite where a point would be behind a camera."""
     if not (depths(cameras, points)[readings.seen] > 0.0).all():
         return np.inf
     square = (readings.residuals(cameras, points) ** 2).sum(axis=2)

@@ -34,6 +34,10 @@ class Control:
         """Which readings there are, (view, point)."""
         return np.isfinite(self.image).all(axis=2)
 
+    def select(self, view: int) -> "Control":
+        """One view."""
+        return Control(self.points, self.std, self.image[view : view + 1], self.views[view : view + 1])
+
 
 def control_of(instrument: xr.Dataset) -> Control:
     """The control points of a camera group.
@@ -84,3 +88,13 @@ def _refuse(view: str, points: np.ndarray) -> None:
 
 def _length(metres: float) -> str:
     return f"{1e3 * metres:.2g} mm"
+
+
+def marker_images(instrument: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+    """The markers' images (view, time x marker, 2), NaN where hidden, and their stated std (time x marker,), NaN if unknown."""
+    image = instrument["image_position"].transpose("view", "time", "marker", "image_axis").values.astype(float)
+    views, times, markers, _ = image.shape
+    image = np.where(np.isfinite(image).all(axis=3, keepdims=True), image, np.nan)
+    known = "image_position_std" in instrument
+    std = instrument["image_position_std"].values.astype(float) if known else np.full(markers, np.nan)
+    return image.reshape(views, times * markers, 2), np.tile(std, times)

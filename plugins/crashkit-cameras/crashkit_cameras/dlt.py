@@ -9,6 +9,8 @@ from crashkit_cameras.projection import PARAMETERS, Cameras, cross_matrix
 COEFFICIENTS = ("L1", "L2", "L3", "L4", "L5", "L6", "L7", "L8", "L9", "L10", "L11", "k1", "k2", "k3", "p1", "p2")
 """Eleven of the perspective, three of radial and two of decentring distortion."""
 LINEAR = 11
+SUBSET, SUBSETS = 7, 100
+"""Least size and number of the random subsets of a robust fit."""
 
 
 @frozen(eq=False)
@@ -44,6 +46,19 @@ def fit_linear(points: np.ndarray, image: np.ndarray) -> LinearFit:
     normalised = np.append(solution, 1.0).reshape(3, 4)
     matrix = np.linalg.solve(to_image, normalised) @ to_points
     return LinearFit(matrix.ravel()[:LINEAR] / matrix[2, 3], float(np.linalg.cond(triangle)))
+
+
+def fit_linear_robust(points: np.ndarray, image: np.ndarray) -> LinearFit:
+    """Eleven coefficients that fit most of the points, whatever the others are.
+
+    Of many fits to random subsets, the one with the least median residual (Rousseeuw, JASA 79, 1984, 871-880). The subsets
+    are the same at every call.
+    """
+    random = np.random.default_rng(0)
+    size = max(SUBSET, len(points) // 2)
+    subsets = [random.permutation(len(points))[:size] for _ in range(SUBSETS)]
+    fits = [fit_linear(points[subset], image[subset]) for subset in subsets]
+    return min(fits, key=lambda fit: float(np.median(_residual(fit.coefficients, points, image))))
 
 
 def solve_points(coefficients: np.ndarray, image: np.ndarray) -> np.ndarray:
@@ -108,6 +123,13 @@ def coefficient_derivatives(cameras: Cameras) -> np.ndarray:
     derivatives[:, :LINEAR] = quotient.reshape(-1, 12, PARAMETERS)[:, :LINEAR]
     derivatives[:, LINEAR:, LINEAR:] = np.eye(PARAMETERS - LINEAR)
     return derivatives
+
+
+def _residual(coefficients: np.ndarray, points: np.ndarray, image: np.ndarray) -> np.ndarray:
+    """Distances in the image, (n,), pixel."""
+    matrix = _projection_matrices(coefficients[None])[0]
+    local = points @ matrix[:, :3].T + matrix[:, 3]
+    return np.asarray(np.linalg.norm(local[:, :2] / local[:, 2:] - image, axis=1))
 
 
 def _normalisation(points: np.ndarray) -> np.ndarray:

@@ -45,7 +45,11 @@ class Frame:
 
     middle: np.ndarray
     half_diagonal: np.ndarray
-    guessed: np.ndarray
+    guessed: bool
+
+    def select(self, view: int) -> "Frame":
+        """One view."""
+        return Frame(self.middle[view : view + 1], self.half_diagonal[view : view + 1], self.guessed)
 
 
 @frozen(eq=False)
@@ -98,8 +102,8 @@ def expectation(prior: Prior, frame: Frame, focal: np.ndarray) -> Expectation:
     tail = np.full_like(mean, LENS_TAIL)
     mean[:, 9:11] = frame.middle
     scale[:, 7:9], tail[:, 7:9] = prior.pixel_shape, PIXEL_TAIL
-    centre = np.where(frame.guessed, max(prior.centre, GUESSED), prior.centre) * frame.half_diagonal
-    scale[:, 9:11], tail[:, 9:11] = centre[:, None], CENTRE_TAIL
+    centre = max(prior.centre, GUESSED) if frame.guessed else prior.centre
+    scale[:, 9:11], tail[:, 9:11] = centre * frame.half_diagonal[:, None], CENTRE_TAIL
     for power, share in enumerate(prior.radial):
         scale[:, 11 + power] = share / corner ** (2 * power + 2)
     scale[:, 14:] = prior.decentring / corner[:, None]
@@ -117,9 +121,9 @@ def frame_of(image: np.ndarray, size: np.ndarray | None) -> Frame:
         size: (view, 2), pixel, if known.
     """
     if size is not None:
-        return Frame(0.5 * size, 0.5 * np.linalg.norm(size, axis=1), np.zeros(len(image), dtype=bool))
+        return Frame(0.5 * size, 0.5 * np.linalg.norm(size, axis=1), guessed=False)
     least, most = np.nanmin(image, axis=(0, 1)), np.nanmax(image, axis=(0, 1))
     middle, extent = 0.5 * (least + most), 0.5 * (most - least)
     half = min(float(np.linalg.norm(np.where(least < 0.0, extent, middle))), 2.0 * float(np.linalg.norm(extent)))
     views = len(image)
-    return Frame(np.tile(middle, (views, 1)), np.full(views, half), np.ones(views, dtype=bool))
+    return Frame(np.tile(middle, (views, 1)), np.full(views, half), guessed=True)

@@ -1,7 +1,9 @@
 """From a point of the laboratory to its place in the images, and the derivatives of that."""
 
+from collections.abc import Sequence
+
 import numpy as np
-from attrs import evolve, frozen
+from attrs import astuple, evolve, frozen
 
 PARAMETERS = 16
 """Of one camera: rotation (3), position (3), focal length, aspect, skew, principal point (2), distortion (5)."""
@@ -39,6 +41,10 @@ class Cameras:
     def __len__(self) -> int:
         return len(self.focal)
 
+    def select(self, views: slice) -> "Cameras":
+        """Some of the views."""
+        return Cameras(*(array[views] for array in astuple(self, recurse=False)))
+
     def numbers(self) -> np.ndarray:
         """The numbers that a prior speaks of, (view, 16): those of `moved`, 0 for the rotation."""
         logarithms = np.log(np.abs(np.stack([self.focal, self.aspect], axis=1)))
@@ -57,6 +63,12 @@ class Cameras:
             centre=self.centre + step[:, 9:11],
             distortion=self.distortion + step[:, 11:],
         )
+
+
+def join(parts: Sequence[Cameras]) -> Cameras:
+    """The views of several, one after the other."""
+    arrays = zip(*(astuple(part, recurse=False) for part in parts), strict=True)
+    return Cameras(*(np.concatenate(array) for array in arrays))
 
 
 def project(cameras: Cameras, points: np.ndarray) -> np.ndarray:

@@ -51,6 +51,8 @@ class OptimalFilter(Identifier[PassState]):
     name: ClassVar[str] = "optimal_filter"
     prior: float = 0.3
     passes: int = 20
+    distrust: float = 0.1
+    decay: float = 0.7
 
     def start(self, problem: Problem) -> PassState:
         """The state at the problem's own start."""
@@ -73,7 +75,7 @@ class OptimalFilter(Identifier[PassState]):
             return evolve(state, status=Status.STEP_LIMIT)
         point, covariance = state.point, np.eye(len(state.point)) * self.prior**2
         for motion in state.measured.values():
-            point, covariance = _filtered(misfit, motion, point, covariance)
+            point, covariance = _filtered(misfit, motion, point, covariance, self.distrust * self.decay ** (len(state.path) - 1))
         if not np.isfinite(point).all():
             return evolve(state, status=Status.STALLED)
         cost = cost_at(misfit, point)
@@ -88,15 +90,17 @@ class OptimalFilter(Identifier[PassState]):
 
 
 def _filtered(
-    misfit: Misfit, motion: xr.Dataset, point: np.ndarray, covariance: np.ndarray
+    misfit: Misfit, motion: xr.Dataset, point: np.ndarray, covariance: np.ndarray, distrust: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """The parameters and their covariance after one run."""
     dynamics = LineDynamics(misfit, motion)
     count, known = dynamics.count, len(point)
     measured, noise = dynamics.measured(motion)
+    start_noise = noise
+    noise = np.hypot(noise, distrust * np.ptp(measured, axis=0))
     state = measured[0].copy()
     q = np.zeros((2 * count + known, 2 * count + known))
-    q[: 2 * count, : 2 * count] = np.diag(noise**2)
+    q[: 2 * count, : 2 * count] = np.diag(start_noise**2)
     q[2 * count :, 2 * count :] = covariance
     lower, upper = misfit.bounds()
     observe = np.eye(2 * count, 2 * count + known)

@@ -16,8 +16,9 @@ Score = Callable[[float, float, float], float]
 
 MOST_FREEDOM = 0.9
 """Of the samples: with as much freedom as samples the score is 0 / 0."""
-DIGITS = 1e24
-"""Ratio of the largest smoothing to the least, at the most: rotations resolve its square root."""
+CONDITION = {2: 1e20, 3: 1e14, 4: 1e11}
+"""By the order that is penalised: the largest smoothing, over that which holds the roughest wave half back. Up to it degrees of
+freedom and standard deviations keep three digits; what is smoother needs fewer knots."""
 STEP = 0.8
 """Decades between the candidates over the whole range."""
 NEAR = 2.5
@@ -79,10 +80,11 @@ def best_fit(spline: PenalisedSpline, count: float, score: Score, near: float | 
     leaves the roughest wave to the one that leaves none. A score may have several valleys, so the whole range is looked at,
     unless it is known which smoothing the best one is near.
     """
-    waves = 2 * spline.order
-    span = min(1e4 * float(len(spline.right)) ** waves, DIGITS)
-    most = np.log10(1e3 * spline.mass / np.pi**waves)
-    candidates = np.linspace(most - np.log10(span), most, int(np.log10(span) / STEP) + 2)
+    waves, count_of_knots = 2 * spline.order, float(len(spline.right))
+    least = np.log10(0.1 * spline.mass) - waves * np.log10(np.pi * count_of_knots)
+    none_left = np.log10(1e3 * spline.mass) - waves * np.log10(np.pi)
+    most = min(none_left, np.log10(CONDITION[spline.order] * spline.mass) - waves * np.log10(count_of_knots))
+    candidates = np.linspace(least, most, int((most - least) / STEP) + 2)
     tried = cache(partial(_tried, spline, count, score))
     if near is not None:
         close = candidates[np.abs(candidates - np.log10(near)) < NEAR]

@@ -13,14 +13,17 @@ def curve(reading: Reading, values: np.ndarray, spreads: np.ndarray, attrs: dict
     """The Dataset over all the reading's instants.
 
     Arguments:
-        values, spreads: (order, time), of the derivatives by x.
+        values, spreads: (order, time), of the derivatives by x; overwritten.
         attrs: what was chosen and why.
     """
+    for order in (1, 2):
+        values[order] /= reading.duration**order
+        spreads[order] /= reading.duration**order
     variables = {}
     for order, name in enumerate(NAMES):
         units = {"units": _units(reading.units, order)} if reading.units else {}
         for label, numbers in ((name, values), (f"{name}_std", spreads)):
-            variables[label] = xr.Variable("time", numbers[order] / reading.duration**order, units)
+            variables[label] = xr.Variable("time", numbers[order], units)
     return xr.Dataset(variables, {"time": reading.time}, attrs)
 
 

@@ -75,7 +75,7 @@ class PenalisedSpline:
     def evaluated(self, x: np.ndarray, fit: Fit, orders: int = 3) -> tuple[np.ndarray, np.ndarray]:
         """The value and derivatives of a fit at sorted x, and their standard deviations: both (orders, len(x))."""
         values, variances = evaluate(x, self.knots, fit.coefficients, fit.inverse, orders)
-        return values, np.sqrt(np.maximum(variances, 0.0))
+        return values, np.sqrt(np.maximum(variances, 0.0, out=variances), out=variances)
 
     def roughness_of(self, fit: Fit) -> np.ndarray:
         """The mean of (f^(order))^2 on each interval of the knots; 0 on an empty one."""

@@ -1,7 +1,5 @@
 """Smoothing splines on as few knots as show all that the samples tell."""
 
-from collections.abc import Callable
-
 import numpy as np
 from attrs import evolve, frozen
 from numpy.polynomial import Polynomial
@@ -15,12 +13,12 @@ from crashkit_smoothers.reading import Reading
 FIRST_KNOTS = 100
 """The condition grows with a power of knots over degrees of freedom: knots at each of 1e4 samples of a smooth motion lose all digits."""
 FINER = 3
-ENOUGH = 1000
-"""Samples that a trend needs: the spline takes up what it leaves."""
 WORTH = 0.05
-"""Of what the degrees of freedom cost, that finer knots must gain to be kept."""
+"""Of the degrees of freedom, what finer knots must earn in deviance to be kept."""
 WHITE = 0.05
 """Correlation of neighbouring residuals, at the most, where nothing is left that finer knots could show."""
+ENOUGH = 1000
+"""Samples that a trend needs: the spline takes up what it leaves."""
 
 
 @frozen
@@ -42,7 +40,14 @@ class Recipe:
 
 @frozen
 class SplineFit:
-    """A smoothing spline with the smoothing that its recipe chose."""
+    """A smoothing spline with the smoothing that its recipe chose.
+
+    Attributes:
+        spline, fit: of what the trend leaves.
+        score: of that smoothing.
+        trend: a polynomial that costs no roughness, taken off first and added again, which keeps it out of the rounding.
+        contacts: of the recipe.
+    """
 
     spline: PenalisedSpline
     fit: Fit
@@ -53,52 +58,70 @@ class SplineFit:
     def evaluated(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Value, first and second derivative at sorted x, and their standard deviations at scaled noise 1: both (3, len(x))."""
         values, spreads = self.spline.evaluated(x, self.fit)
-        return values + np.stack([self.trend.deriv(order)(x) for order in range(3)]), spreads
+        for order in range(3):
+            values[order] += self.trend.deriv(order)(x)
+        return values, spreads
 
 
 def fit_spline(reading: Reading, recipe: Recipe) -> SplineFit:
-    """The spline that a recipe makes of the samples.
-
-    A polynomial that costs no roughness is taken off first and added again, which keeps it out of the rounding.
-    """
-    x = reading.x[reading.present]
-    few = slice(None, None, 1 + len(x) // ENOUGH)
-    trend = Polynomial.fit(x[few], reading.z[few], recipe.order - 1, domain=[0.0, 1.0])
-    rest = reading.z - trend(x)
-
-    def on(interior: int, near: float | None) -> SplineFit:
-        knots = knot_vector(x, interior, 2 * recipe.order - 1, recipe.contacts)
-        spline = PenalisedSpline.of(x, rest, reading.scale, knots, recipe.order, reading.rounding)
-        return SplineFit(spline, *best_fit(spline, reading.count, recipe.score, near), trend, recipe.contacts)
-
-    uniform = _on_enough_knots(on, reading)
+    """The spline that a recipe makes of the samples."""
+    workpiece = _Workpiece.of(reading, recipe)
+    uniform = _on_enough_knots(workpiece)
     if not recipe.local:
         return uniform
-    spline = evolve(uniform.spline, stiffness=local_stiffness(uniform.spline, uniform.fit))
-    return SplineFit(spline, *best_fit(spline, reading.count, recipe.score, uniform.fit.smoothing), trend, recipe.contacts)
+    stiffness = local_stiffness(uniform.spline, uniform.fit)
+    return workpiece.fitted(evolve(uniform.spline, stiffness=stiffness), uniform.fit.smoothing)
 
 
-def _on_enough_knots(on: Callable[[int, float | None], SplineFit], reading: Reading) -> SplineFit:
+@frozen
+class _Workpiece:
+    """Samples without their trend, and the recipe."""
+
+    reading: Reading
+    recipe: Recipe
+    x: np.ndarray
+    rest: np.ndarray
+    trend: Polynomial
+
+    @classmethod
+    def of(cls, reading: Reading, recipe: Recipe) -> "_Workpiece":
+        x = reading.x[reading.present]
+        few = slice(None, None, 1 + len(x) // ENOUGH)
+        trend = Polynomial.fit(x[few], reading.z[few], recipe.order - 1, domain=[0.0, 1.0])
+        return cls(reading, recipe, x, reading.z - trend(x), trend)
+
+    def on_knots(self, interior: int, near: float | None) -> SplineFit:
+        """The fit on so many knots, with a smoothing near one that is known."""
+        order, reading = self.recipe.order, self.reading
+        knots = knot_vector(self.x, interior, 2 * order - 1, self.recipe.contacts)
+        return self.fitted(PenalisedSpline.of(self.x, self.rest, reading.scale, knots, order, reading.rounding), near)
+
+    def fitted(self, spline: PenalisedSpline, near: float | None) -> SplineFit:
+        """The spline with the best smoothing."""
+        return SplineFit(spline, *best_fit(spline, self.reading.count, self.recipe.score, near), self.trend, self.recipe.contacts)
+
+    def is_explained(self, fitted: SplineFit) -> bool:
+        """Whether the residuals are white noise."""
+        residual = fitted.spline.evaluated(self.x, fitted.fit, 1)[0][0]
+        residual -= self.rest
+        residual *= self.reading.scale
+        return bool(np.sum(residual[1:] * residual[:-1]) <= WHITE * np.sum(residual**2))
+
+
+def _on_enough_knots(workpiece: _Workpiece) -> SplineFit:
     """The fit on the fewest knots to which finer ones add nothing.
 
     Finer knots are kept where they earn more than a small part of what the degrees of freedom cost. Where they do not and yet
     the residuals are no white noise, the signal may be too fast for both, and still finer knots are tried.
     """
-    most = max(int(reading.count) - 2, 1)
+    most = max(int(workpiece.reading.count) - 2, 1)
     interior = min(FIRST_KNOTS, most)
-    best = on(interior, None)
+    best = workpiece.on_knots(interior, None)
     while interior < most:
         interior = min(FINER * interior, most)
-        finer = on(interior, best.fit.smoothing)
+        finer = workpiece.on_knots(interior, best.fit.smoothing)
         if best.score - finer.score > WORTH * finer.fit.freedom:
             best = finer
-        elif _is_white(best, reading):
+        elif workpiece.is_explained(best):
             break
     return best
-
-
-def _is_white(fitted: SplineFit, reading: Reading) -> bool:
-    x = reading.x[reading.present]
-    values, _ = fitted.spline.evaluated(x, fitted.fit, 1)
-    residual = (reading.z - fitted.trend(x) - values[0]) * reading.scale
-    return float(residual[1:] @ residual[:-1]) <= WHITE * float(residual @ residual)

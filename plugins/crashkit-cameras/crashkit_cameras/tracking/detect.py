@@ -86,22 +86,22 @@ def acquire(pattern: Pattern, image: np.ndarray, point: np.ndarray, radius: floa
     within = max(ACROSS, radius) if known else ACROSS
     candidates = search_around(pattern, image, [radius] if known else _radii(*RADII), point, within)
     for candidate in candidates[:MOST_TRIED]:
-        found = settle(pattern, image, candidate)
-        if found is not None:
+        found = settle(pattern, image, candidate.shape(pattern))
+        if found is not None and found.quality > LEAST_QUALITY:
             return found
     return None
 
 
-def settle(pattern: Pattern, image: np.ndarray, candidate: Candidate) -> Fit | None:
-    """Fit a candidate and measure its size, by turns, until it keeps it; None if it is no target."""
-    shape = pattern.shape(candidate.centre, candidate.radius, candidate.angle)
+def settle(pattern: Pattern, image: np.ndarray, shape: np.ndarray) -> Fit | None:
+    """Fit a target and measure its size, by turns, until it keeps it; None if it does not, or goes elsewhere."""
+    start = shape[:2]
     for _ in range(MEASURES):
         found = fit(pattern, image, shape)
-        if found is None or np.hypot(*(found.centre - candidate.centre)) > candidate.radius:
+        if found is None or np.hypot(*(found.centre - start)) > found.radius:
             return None
         shape = pattern.measured(found.shape, image)
         if abs(np.log(pattern.radius(shape) / found.radius)) < SETTLED:
-            return evolve(found, shape=shape) if found.quality > LEAST_QUALITY else None
+            return evolve(found, shape=shape)
     return None
 
 
@@ -114,8 +114,8 @@ def _settled(pattern: Pattern, image: np.ndarray, candidates: Sequence[Candidate
         if taken or any(_alike(candidate, one) for one in tried):
             continue
         tried.append(candidate)
-        one = settle(pattern, image, candidate)
-        if one is not None:
+        one = settle(pattern, image, candidate.shape(pattern))
+        if one is not None and one.quality > LEAST_QUALITY:
             found.append(one)
         if len(tried) == MOST_CANDIDATES:
             break

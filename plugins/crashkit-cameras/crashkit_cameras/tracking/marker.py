@@ -13,16 +13,17 @@ UNLIKE = "nothing like it where it is expected"
 UNCERTAIN = "too uncertain: blurred or faint"
 OUTSIDE = "outside the image"
 MOST_TRIED = 5
-FOLLOWED, AGAIN = 4.0, 1.6
-"""By how much size and contrast may differ from when the target was last seen: where it is expected, and where it is found again."""
+FOLLOWED, AGAIN = 4.0, 1.4
+"""By how much size and contrast may differ from when the target was last seen: while it is followed, and when found again."""
 LESS_CERTAIN = 4.0
 """By how much the standard deviation of a target that is found again may exceed the last one."""
+WIDER = 0.25
 GROWTH = 1.1
 """How much larger or smaller a target may become from one frame to the next."""
 STRAYED = 0.7
 """Radii; a fit that ends further from its start has found something else."""
 WHOLE = 0.9
-"""The quality from which a target's size is trusted: nothing is in front of it."""
+"""The part of its quality from which on a target is remembered as it looks: less means that something is in front of it."""
 
 
 @frozen
@@ -31,8 +32,8 @@ class Limits:
 
     Arguments:
         quality: the least share of the image around it that the pattern explains.
-        std: the largest standard deviation of u and v, pixel.
-        search: how far from its expected place it is looked for, in radii; as far again for each frame that it was lost.
+        std: the largest standard deviation of u and of v, pixel.
+        search: how far from its expected place it is looked for, in radii; a quarter more for each frame that it was lost.
     """
 
     quality: float = 0.6
@@ -61,19 +62,23 @@ class Marker:
 
     def here(self, frame: Frame, limits: Limits) -> Fit | str:
         """The target at its expected place, or why it is not seen there."""
-        return self._judged(self._fitted(frame.image, self.path.expected(frame.time)), limits, FOLLOWED)
+        expected = self.path.expected(frame.time)
+        found = fit(self.seen.pattern, frame.image, self._shape(expected))
+        if found is None or np.hypot(*(found.centre - expected)) > STRAYED * self.radius:
+            return UNLIKE
+        return self._judged(found, limits) if self.missed == 0 else self._recognised(found, limits)
 
     def around(self, frame: Frame, limits: Limits, taken: list[np.ndarray]) -> Fit | str:
         """The target somewhere around its expected place, away from places that are taken, or why it is not seen."""
-        expected = self.path.expected(frame.time)
-        again = evolve(limits, std=min(limits.std, LESS_CERTAIN * np.max(self.seen.std)))
-        within = limits.search * self.radius * (1 + self.missed)
+        expected, pattern = self.path.expected(frame.time), self.seen.pattern
         reason = UNLIKE if self._whole(frame.image, expected) else OUTSIDE
-        candidates = search_around(self.seen.pattern, frame.image, [self.radius], expected, within)
+        within = limits.search * self.radius * (1.0 + WIDER * self.missed)
+        candidates = search_around(pattern, frame.image, [self.radius], expected, within)
         free = [one for one in candidates if all(np.hypot(*(one.centre - place)) > self.radius for place in taken)]
         for candidate in free[:MOST_TRIED]:
-            for found in (self._fitted(frame.image, candidate.centre), settle(self.seen.pattern, frame.image, candidate)):
-                judged = self._judged(found, again, AGAIN)
+            for shape in (self._shape(candidate.centre), candidate.shape(pattern)):
+                found = settle(pattern, frame.image, shape)
+                judged = UNLIKE if found is None else self._recognised(found, limits)
                 if isinstance(judged, Fit):
                     return judged
         return reason
@@ -85,24 +90,25 @@ class Marker:
             return
         self.missed = 0
         self.path.add(frame.time, found.centre)
-        self.seen = _measured(found, frame.image) if found.quality > WHOLE else found
+        if found.quality > WHOLE * self.seen.quality:
+            self.seen = _measured(found, frame.image)
 
-    def _fitted(self, image: np.ndarray, centre: np.ndarray) -> Fit | None:
-        """The target as it looked last, fitted around a place."""
-        shape = self.seen.shape.copy()
-        shape[:2] = centre
-        found = fit(self.seen.pattern, image, shape)
-        strayed = found is not None and np.hypot(*(found.centre - centre)) > STRAYED * self.radius
-        return None if strayed else found
+    def _shape(self, centre: np.ndarray) -> np.ndarray:
+        """The target as it was seen last, at another place."""
+        return np.append(centre, self.seen.shape[2:])
 
-    def _judged(self, found: Fit | None, limits: Limits, likeness: float) -> Fit | str:
-        """A fit if it is the target, as much alike as `likeness` asks, or why it is not."""
-        if found is None or found.quality < limits.quality:
-            return UNLIKE
+    def _judged(self, found: Fit, limits: Limits, likeness: float = FOLLOWED) -> Fit | str:
+        """A fit if it is good enough and the target's like, or why it is not."""
         ratios = np.array([found.radius / self.radius, found.contrast / self.seen.contrast])
-        if np.any(ratios < 1.0 / likeness) or np.any(ratios > likeness):
+        if found.quality < limits.quality or np.any(ratios < 1.0 / likeness) or np.any(ratios > likeness):
             return UNLIKE
         return UNCERTAIN if np.max(found.std) > limits.std else found
+
+    def _recognised(self, found: Fit, limits: Limits) -> Fit | str:
+        """The same for a target that was lost: something else could look similar, but hardly be as sharp."""
+        std = min(limits.std, LESS_CERTAIN * np.max(self.seen.std))
+        quality = max(limits.quality, WHOLE * self.seen.quality)
+        return self._judged(found, evolve(limits, std=std, quality=quality), AGAIN)
 
     def _whole(self, image: np.ndarray, centre: np.ndarray) -> bool:
         """Whether a target there would be whole in the image."""

@@ -9,7 +9,7 @@ from scipy.ndimage import maximum_filter
 
 from crashkit_cameras.tracking.pattern import Pattern
 
-LEAST_CORRELATION = 0.5
+LEAST_CORRELATION = 0.6
 FINE_RADIUS = 5.0
 """pixel; an image is made coarser until what is looked for is smaller than twice this."""
 FLAT = 1e-3
@@ -23,6 +23,10 @@ class Candidate(NamedTuple):
     radius: float
     angle: float
     correlation: float
+
+    def shape(self, pattern: Pattern) -> np.ndarray:
+        """Of the target, seen square on."""
+        return pattern.shape(self.centre, self.radius, self.angle)
 
 
 def search(pattern: Pattern, image: np.ndarray, radii: Sequence[float]) -> list[Candidate]:

@@ -1,0 +1,225 @@
+"""The reference in C, compiled for one model with `cc -O3 -march=native`."""
+
+import ctypes
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from attrs import frozen
+
+from crashkit.model import Body, Joint, Model, Parameter
+from crashkit_spring_laws import CrushPlateau
+
+SOURCES = Path(__file__).parents[1] / "reference"
+FLAGS = ("-O3", "-march=native", "-std=gnu11", "-shared", "-fPIC")
+LANES = 4
+"""To a multiple of which columns are filled up, so that every one of them is in a vector."""
+NAMES = [spec.name for spec in CrushPlateau.parameters]
+
+Floats = np.ndarray
+
+
+def compiler() -> str | None:
+    """The C compiler, if there is one."""
+    return shutil.which("cc")
+
+
+@frozen
+class Motion:
+    """What the reference records of the bodies that move; derivatives have a last axis of parameters.
+
+    Arguments:
+        position, velocity, acceleration: (time, coordinate), in plane motion with the angles.
+        force: (time, joint) N.
+    """
+
+    position: Floats
+    velocity: Floats
+    acceleration: Floats
+    force: Floats
+
+
+class Reference:
+    """One model in C.
+
+    Arguments:
+        model: in one axis or in the plane, of fixed and free bodies, with no law but `crush_plateau`.
+        paths: parameters to differentiate to: of laws, masses, inertia, velocities, free lengths.
+    """
+
+    def __init__(self, model: Model, paths: Sequence[str] = ()) -> None:
+        self.model = model
+        self.paths = tuple(paths)
+        self.bodies = sorted(model.bodies, key=lambda body: body.fixed)
+        self.dof = 1 if len(model.axes) == 1 else 3
+        self.moving = sum(not body.fixed for body in self.bodies)
+        self.columns = -(-len(self.paths) // LANES) * LANES
+        self.input = np.zeros((), self._layout())
+        self.seeds = np.zeros((), self._layout((self.columns,)))
+        self._fill()
+        for column, path in enumerate(self.paths):
+            self._seed(column, *path.split("."))
+        self.library = _built(self._definitions())
+
+    def run(self, times: Floats, step: float, plain: bool = False) -> tuple[Motion, Motion]:
+        """The motion and its derivatives."""
+        values, tangents = self.room(times.size)
+        self.call(times, step, plain, values, tangents)
+        return self._motion(values), self._motion(tangents[..., : len(self.paths)])
+
+    def room(self, times: int) -> tuple[Floats, Floats]:
+        """Arrays for the results of `call`."""
+        width = 3 * self.dof * self.moving + len(self.model.joints)
+        return np.empty((times, width)), np.empty((times, width, self.columns))
+
+    def call(self, times: Floats, step: float, plain: bool, values: Floats, tangents: Floats) -> tuple[int, int]:
+        """The C function and nothing else; returns how many steps it took, and how many it tried."""
+        trials = ctypes.c_long()
+        steps = self.library.integrate(
+            *map(_pointer, (self.input, self.seeds)),
+            int(plain),
+            _pointer(times),
+            ctypes.c_long(times.size),
+            ctypes.c_double(step),
+            *map(_pointer, (values, tangents)),
+            ctypes.byref(trials),
+        )
+        if steps < 0:
+            raise RuntimeError(f"model {self.model.name}: the reference in C does not get on")
+        return steps, trials.value
+
+    def inputs(self, values: Mapping[str, Floats]) -> Floats:
+        """Inputs of many runs, with values of laws' parameters by path."""
+        out = np.repeat(self.input[None], len(next(iter(values.values()))))
+        for path, column in values.items():
+            _, joint, name = path.split(".")
+            out["p"][:, self._joint(joint), NAMES.index(name)] = column
+        return out
+
+    def call_many(self, inputs: Floats, end: float, step: float, plain: bool, values: Floats) -> int:
+        """Many runs to `end`, the state of each there to `values`; returns how many steps."""
+        steps: int = self.library.integrate_many(
+            _pointer(inputs),
+            ctypes.c_long(inputs.size),
+            _pointer(self.seeds),
+            int(plain),
+            ctypes.c_double(end),
+            ctypes.c_double(step),
+            _pointer(values),
+        )
+        return steps
+
+    def _motion(self, values: Floats) -> Motion:
+        n = self.dof * self.moving
+        return Motion(*np.split(values, [n, 2 * n, 3 * n], axis=1))
+
+    def _definitions(self) -> tuple[str, ...]:
+        joints = self.model.joints
+        ends = [[self._body(name) for name in joint.bodies] for joint in joints]
+        lists = {
+            "FIRST": [first for first, _ in ends],
+            "SECOND": [second for _, second in ends],
+            "FACE": [int(joint.normal is not None) for joint in joints],
+        }
+        sizes = {
+            "AXES": len(self.model.axes),
+            "MOVING": self.moving,
+            "FIXED": len(self.bodies) - self.moving,
+            "JOINTS": len(joints),
+            "COLUMNS": self.columns,
+        }
+        texts = {name: "{" + ",".join(map(str, values)) + "}" for name, values in lists.items()}
+        return tuple(f"-D{name}={value}" for name, value in {**sizes, **texts}.items())
+
+    def _layout(self, last: tuple[int, ...] = ()) -> np.dtype:
+        """The C structures `Model` and, with a last axis of columns, `Seeds`."""
+        joints, n = len(self.model.joints), self.dof * self.moving
+        shapes = {
+            "inverse_mass": (n, *last),
+            "start": (2, self.dof * len(self.bodies), *last),
+            "p": (joints, len(NAMES), *last),
+            **({} if last else {"places": (joints, 6)}),
+            "rest": (joints, *last),
+        }
+        return np.dtype([(name, np.float64, shape) for name, shape in shapes.items()])
+
+    def _fill(self) -> None:
+        axes = len(self.model.axes)
+        for i, body in enumerate(self.bodies):
+            own = slice(self.dof * i, self.dof * (i + 1))
+            self.input["start"][0, own] = [*body.position, *(body.orientation or (0.0,))][: self.dof]
+            if not body.fixed:
+                self.input["start"][1, own] = [*body.velocity, *(body.angular_velocity or (0.0,))][: self.dof]
+                self.input["inverse_mass"][own] = 1.0 / _masses(body, self.dof)
+        for j, joint in enumerate(self.model.joints):
+            self.input["p"][j] = [_value(joint, name) for name in NAMES]
+            places, distance = self._geometry(joint, axes)
+            self.input["places"][j] = places
+            self.input["rest"][j] = joint.free_length.value if joint.free_length else distance
+
+    def _geometry(self, joint: Joint, axes: int) -> tuple[Floats, float]:
+        """The places of a joint as C wants them, and the distance of its ends at t = 0."""
+        places = np.zeros((3, 2))
+        places[:2, :axes] = joint.points or ((0.0,) * axes,) * 2
+        starts = [self.input["start"][0, self.dof * self._body(name) :][: self.dof] for name in joint.bodies]
+        if axes == 1:
+            apart = starts[1][0] + places[1, 0] - starts[0][0] - places[0, 0]
+            places[2, 0] = -1.0 if apart < 0.0 else 1.0
+            return places.ravel(), abs(apart)
+        frames = [np.array([[np.cos(q[2]), -np.sin(q[2])], [np.sin(q[2]), np.cos(q[2])]]) for q in starts]
+        apart = starts[1][:2] + frames[1] @ places[1] - starts[0][:2] - frames[0] @ places[0]
+        if joint.normal is None:
+            return places.ravel(), float(np.hypot(*apart))
+        places[2] = joint.normal
+        return places.ravel(), float(frames[0] @ places[2] @ apart)
+
+    def _seed(self, column: int, kind: str, name: str, what: str) -> None:
+        """Make a column the derivatives to one parameter."""
+        what, _, index = what.rstrip("]").partition("[")
+        if kind == "joint":
+            place = ("rest", (self._joint(name),)) if what == "free_length" else ("p", (self._joint(name), NAMES.index(what)))
+            self.seeds[place[0]][*place[1], column] = 1.0
+            return
+        first = self.dof * self._body(name)
+        if what == "velocity":
+            self.seeds["start"][1, first + int(index or 0), column] = 1.0
+            return
+        coordinates = {"mass": range(min(self.dof, 2)), "inertia": [2]}[what]
+        for i in coordinates:
+            self.seeds["inverse_mass"][first + i, column] = -self.input["inverse_mass"][first + i] ** 2
+
+    def _body(self, name: str) -> int:
+        return [body.name for body in self.bodies].index(name)
+
+    def _joint(self, name: str) -> int:
+        return [joint.name for joint in self.model.joints].index(name)
+
+
+@cache
+def _built(definitions: tuple[str, ...]) -> ctypes.CDLL:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "reference.so"
+        command = ["cc", *FLAGS, *definitions, str(SOURCES / "reference.c"), "-o", str(path), "-lm"]
+        subprocess.run(command, check=True, capture_output=True)
+        library = ctypes.CDLL(str(path))
+    library.integrate.restype = library.integrate_many.restype = ctypes.c_long
+    return library
+
+
+def _pointer(array: Floats) -> ctypes.c_void_p:
+    return ctypes.c_void_p(array.ctypes.data)
+
+
+def _masses(body: Body, dof: int) -> Floats:
+    assert body.mass is not None
+    return np.array([body.mass.value] * min(dof, 2) + [inertia.value for inertia in body.inertia][: dof - 1])
+
+
+def _value(joint: Joint, name: str) -> float:
+    value = joint.parameters.get(name, Parameter(0.0))
+    assert isinstance(value, Parameter)
+    return value.value

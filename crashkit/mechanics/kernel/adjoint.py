@@ -1,0 +1,301 @@
+# mypy: disable-error-code="no-untyped-def, no-untyped-call"
+"""The adjoint of a run: one gradient to any number of parameters, at the cost of a few runs.
+
+It is the transpose of the forward sensitivities (see tangents.py), step by step from the last to the first: with lam the adjoint
+of the state at the end of a step, and f the state's derivative at its stages 0 to 3,
+
+    mu_3 = f_y' (h/6 lam), mu_2 = f_y' (h/3 lam + h mu_3), mu_1 = f_y' (h/3 lam + h/2 mu_2), mu_0 = f_y' (h/6 lam + h/2 mu_1),
+
+the adjoint at its start is lam + mu_0 + mu_1 + mu_2 + mu_3, and what stands in brackets times f_p is added to the gradient.
+(Mizzi & Jezequel 1992, eq 56-64, where the adjoint equation is solved instead.)
+"""
+
+import numpy as np
+
+from crashkit.mechanics.kernel.arrays import END, START, TO_D, TO_D_MAX, TO_MEMORY, TO_PARAMETERS, TO_RATE
+from crashkit.mechanics.kernel.forces import accelerate, add_given, begin_forces, kinematics, push
+from crashkit.mechanics.kernel.line import (
+    AXES,
+    CURVED,
+    DOF,
+    curve,
+    locate,
+    rates_adjoint,
+    respond_adjoint,
+    to_rotations_adjoint,
+)
+from crashkit.mechanics.kernel.stand_ins import compiled, law_partials
+from crashkit.mechanics.kernel.steps import try_step
+from crashkit.mechanics.kernel.tangents import joint_partials
+
+# ---- compiled from here ----
+
+
+@compiled
+def recall(bodies, joints, functions, state, history, s):
+    """Return to the start of a step of the history; returns its time, its piece and the entry of the record that it is."""
+    size = state.shape[1] // 2
+    for i in range(size):
+        state[START, i] = history[s, i]
+    t, piece, k = history[s, size], int(history[s, size + 1]), int(history[s, size + 2])
+    end = size + 3
+    for joint in joints:
+        joint.d_max = history[s, end]
+        joint.loading = int(history[s, end + 1])
+        end += 2
+    for function in functions:
+        function.mode = int(history[s, end])
+        function.memory_mode = int(history[s, end + 1])
+        end += 2
+    if AXES == 3:
+        for i in range(4 * bodies.size):
+            bodies[i // 4].frame[9 + i % 4] = history[s, end + i]
+    return t, piece, k
+
+
+@compiled
+def memory_adjoint(function, joint, parameters, state, row, wanted, slopes, lam, parameter_gradient):
+    """Carry the adjoint of a memory's rate back; returns its parts for d, ddot and d_max."""
+    z, o = function.memory, function.offset
+    d_max = joint.d if joint.loading else joint.d_max
+    number, mode = function.memory_number, function.memory_mode
+    law_partials(number, mode, joint.d, joint.ddot, d_max, state[row, z], parameters, o, slopes)
+    lam[z] += wanted * slopes[TO_MEMORY]
+    for i in range(function.count):
+        parameter_gradient[o + i] += wanted * slopes[TO_PARAMETERS + i]
+    return wanted * slopes[TO_D], wanted * slopes[TO_RATE], wanted * slopes[TO_D_MAX]
+
+
+@compiled
+def joint_adjoint(
+    bodies, joint, functions, parameters, state, partials, row, response, load, seeds, lam, parameter_gradient, own
+):
+    """Carry the adjoint of the forces that a joint puts on its bodies back to the state and to its parameters.
+
+    Arguments:
+        response: of the state's derivative.
+        load: of the forces and moments on the bodies.
+        seeds: of the joint's own force, deformation and rate.
+        own: of its largest deformation, its rest and its attachments.
+    """
+    n = DOF * bodies.size
+    a, b = DOF * joint.first, DOF * joint.second
+    wanted = seeds[0]
+    for i in range(DOF):
+        wanted -= load[a + i] * joint.gradient[i] + load[b + i] * joint.gradient[DOF + i]
+    force, to_d, to_rate, to_d_max = joint_partials(joint, functions, parameters, partials, state, row)
+    d_bar, rate_bar = wanted * to_d + seeds[1], wanted * to_rate + seeds[2]
+    own[0] += wanted * to_d_max
+    for f in range(joint.start, joint.stop):
+        function = functions[f]
+        for i in range(function.count):
+            parameter_gradient[function.offset + i] += wanted * partials[f, TO_PARAMETERS + i]
+        if function.memory >= 0:
+            lam[function.memory] += wanted * partials[f, TO_MEMORY]
+            rate, slopes = response[function.memory], partials[f]
+            to_d, to_rate, to_d_max = memory_adjoint(
+                function, joint, parameters, state, row, rate, slopes, lam, parameter_gradient
+            )
+            d_bar += to_d + (to_d_max if joint.loading else 0.0)
+            rate_bar += to_rate
+            own[0] += 0.0 if joint.loading else to_d_max
+    own[1] += d_bar
+    for k in range(2 * DOF + 2 * AXES):
+        back = d_bar * joint.gradient[k]
+        if CURVED:
+            for i in range(DOF):
+                first, second = joint.hessian[i, k], joint.hessian[DOF + i, k]
+                back += rate_bar * (first * state[row, n + a + i] + second * state[row, n + b + i])
+                back -= force * (load[a + i] * first + load[b + i] * second)
+        if k < 2 * DOF:
+            place = a + k if k < DOF else b + k - DOF
+            lam[place] += back
+            lam[n + place] += rate_bar * joint.gradient[k]
+        else:
+            own[2 + k - 2 * DOF] += back
+
+
+@compiled
+def accelerate_adjoint(
+    bodies,
+    joints,
+    functions,
+    parameters,
+    given,
+    state,
+    partials,
+    row,
+    t,
+    piece,
+    response,
+    seeds,
+    lam,
+    load,
+    parameter_gradient,
+    joint_gradient,
+    body_gradient,
+):
+    """Add to `lam` and to the gradients what the adjoint `response` of the state's derivative at a stage brings.
+
+    Arguments:
+        seeds: adjoints of the joints' forces, deformations and rates, then of the forces and moments on the bodies.
+    """
+    n = DOF * bodies.size
+    begin_forces(bodies, state, row)
+    for joint in joints:
+        kinematics(bodies, joint, state, row)
+        if CURVED:
+            curve(bodies, joint, state, row)
+        force = joint_partials(joint, functions, parameters, partials, state, row)[0]
+        push(bodies, joint, force)
+    add_given(bodies, given, t, piece)
+    rates_adjoint(bodies, state, row, response, lam)
+    respond_adjoint(bodies, state, row, response[n : 2 * n], load, lam, body_gradient)
+    for i in range(n):
+        load[i] += seeds[3 * joints.size + i]
+    for j in range(joints.size):
+        joint, own = joints[j], joint_gradient[j]
+        wanted = seeds[3 * j : 3 * j + 3]
+        joint_adjoint(
+            bodies, joint, functions, parameters, state, partials, row, response, load, wanted, lam, parameter_gradient, own
+        )
+
+
+@compiled
+def deformation_adjoint(bodies, joint, state, wanted, lam, own):
+    """Carry the adjoint of a joint's deformation at START back to the state, its rest and its attachments."""
+    kinematics(bodies, joint, state, START)
+    own[1] += wanted
+    for k in range(DOF):
+        lam[DOF * joint.first + k] += wanted * joint.gradient[k]
+        lam[DOF * joint.second + k] += wanted * joint.gradient[DOF + k]
+    for m in range(2 * AXES):
+        own[2 + m] += wanted * joint.gradient[2 * DOF + m]
+
+
+@compiled
+def thaw(bodies, joints, state, history, s, lam, joint_gradient):
+    """Where a largest deformation was frozen at the start of a step, its adjoint goes to the deformation there."""
+    locate(bodies, state, START)
+    for j in range(joints.size):
+        joint, own = joints[j], joint_gradient[j]
+        if s > 0 and not joint.loading and history[s - 1, state.shape[1] // 2 + 4 + 2 * j] > 0.0:
+            deformation_adjoint(bodies, joint, state, own[0], lam, own)
+            own[0] = 0.0
+
+
+@compiled
+def begin_adjoint(bodies, joints, state, lam, joint_gradient, free):
+    """The transpose of `begin`: what rest and the largest deformation at t = 0 owe to the initial state.
+
+    Arguments:
+        free: by joint, whether its free length is the distance at t = 0.
+    """
+    locate(bodies, state, START)
+    for j in range(joints.size):
+        joint, own = joints[j], joint_gradient[j]
+        d = kinematics(bodies, joint, state, START)[0]
+        if not free[j] and d > 0.0:
+            deformation_adjoint(bodies, joint, state, own[0], lam, own)
+        if free[j]:
+            deformation_adjoint(bodies, joint, state, -own[1], lam, own)
+            own[1] = 0.0
+
+
+@compiled
+def sweep(
+    history,
+    steps,
+    bodies,
+    joints,
+    functions,
+    parameters,
+    given,
+    state,
+    partials,
+    seeds,
+    own_seeds,
+    free,
+    lam,
+    parameter_gradient,
+    joint_gradient,
+    body_gradient,
+):
+    """Go back through the steps of a run.
+
+    Arguments:
+        history: of a forward run, see `remember`; `steps` of its rows.
+        seeds: (time, entry) adjoint of the record's entries: of the state and its derivative.
+        own_seeds: (time, entry) of the others, but for quaternions.
+        free: by joint, whether its free length is the distance at t = 0.
+        lam: becomes the gradient to the initial state.
+        parameter_gradient, joint_gradient, body_gradient: gradients to the laws' parameters; to each joint's largest
+            deformation, rest and attachments; to each body's inertia (six entries) and mass.
+    """
+    size, n = state.shape[1] // 2, DOF * bodies.size
+    response, load, nothing = np.zeros(size), np.zeros(n), np.zeros(3 * joints.size + n)
+    mu, later = np.zeros((4, size)), 0.0
+    for back in range(steps):
+        s = steps - 1 - back
+        t, piece, k = recall(bodies, joints, functions, state, history, s)
+        accelerate(bodies, joints, functions, parameters, given, state, START, t, piece)
+        if back > 0:
+            h = later - t
+            try_step(bodies, joints, functions, parameters, given, state, t, piece, h)
+            to_rotations_adjoint(bodies, state, lam, END)
+            for row in range(3, -1, -1):
+                part = h if row == 3 else 0.0 if row == 0 else 0.5 * h
+                for i in range(size):
+                    response[i] = (h / 3.0 if 0 < row < 3 else h / 6.0) * lam[i]
+                    if row < 3:
+                        response[i] += (h if row == 2 else 0.5 * h) * mu[row + 1, i]
+                    mu[row, i] = 0.0
+                accelerate_adjoint(
+                    bodies,
+                    joints,
+                    functions,
+                    parameters,
+                    given,
+                    state,
+                    partials,
+                    row,
+                    t + part,
+                    piece,
+                    response,
+                    nothing,
+                    mu[row],
+                    load,
+                    parameter_gradient,
+                    joint_gradient,
+                    body_gradient,
+                )
+                to_rotations_adjoint(bodies, state, mu[row], row)
+            for i in range(size):
+                lam[i] += mu[0, i] + mu[1, i] + mu[2, i] + mu[3, i]
+        if k >= 0:
+            for i in range(size):
+                response[i] = seeds[k, size + i]
+            accelerate_adjoint(
+                bodies,
+                joints,
+                functions,
+                parameters,
+                given,
+                state,
+                partials,
+                START,
+                t,
+                piece,
+                response,
+                own_seeds[k],
+                lam,
+                load,
+                parameter_gradient,
+                joint_gradient,
+                body_gradient,
+            )
+            for i in range(size):
+                lam[i] += seeds[k, i]
+        thaw(bodies, joints, state, history, s, lam, joint_gradient)
+        later = t
+    begin_adjoint(bodies, joints, state, lam, joint_gradient, free)
