@@ -78,9 +78,10 @@ static inline void choose(Branch *b, const double *p, const double (*p_t)[COLUMN
         b->low = -INFINITY;
 }
 
-/* How far the branch is from its end, negative beyond it. */
-static inline double guard(const Branch *b, double d, double w)
+/* How far a branch is from one of its ends, negative beyond it. */
+enum { LOW, HIGH, TURN, ENDS };
+
+static inline double guard(const Branch *b, int end, double d, double w)
 {
-    double distance = fmin(d - b->low, b->high - d);
-    return b->loading ? fmin(distance, w) : distance;
+    return end == LOW ? d - b->low : end == HIGH ? b->high - d : b->loading ? w : INFINITY;
 }

@@ -106,56 +106,56 @@ static void step_t(Run *r, double h)
         }
 }
 
-/* The joint whose crossing a straight line through the guards puts first, or -1. */
-static int first_crossing(const Run *r)
+/* The crossing that a straight line through the guards puts first: its joint, or -1, and the end of its branch. */
+static int first_crossing(const Run *r, int *end)
 {
+    const State *s = &r->stage[0], *e = &r->stage[4];
     int first = -1;
     double least = 2.0;
-    for (int j = 0; j < JOINTS; j++) {
-        double after = guard(&r->branch[j], r->stage[4].d[j], r->stage[4].w[j]);
-        if (after < -LANDED) {
-            double before = fmax(0.0, guard(&r->branch[j], r->stage[0].d[j], r->stage[0].w[j]));
-            if (before / (before - after) < least)
-                first = j, least = before / (before - after);
+    for (int j = 0; j < JOINTS; j++)
+        for (int k = LOW; k < ENDS; k++) {
+            double after = guard(&r->branch[j], k, e->d[j], e->w[j]);
+            if (after < -LANDED) {
+                double before = fmax(0.0, guard(&r->branch[j], k, s->d[j], s->w[j]));
+                if (before / (before - after) < least)
+                    first = j, *end = k, least = before / (before - after);
+            }
         }
-    }
     return first;
 }
 
-/* Shorten a step to the crossing of a joint, by secants. */
-static double land(Run *r, int j, double high)
+/* Shorten a step to a crossing, by secants. */
+static double land(Run *r, int j, int k, double high)
 {
-    double low = 0.0, h0 = 0.0, h1 = high;
-    double g0 = guard(&r->branch[j], r->stage[0].d[j], r->stage[0].w[j]);
-    double g1 = guard(&r->branch[j], r->stage[4].d[j], r->stage[4].w[j]);
-    while (high - low > 1e-16) {
+    const Branch *b = &r->branch[j];
+    const State *s = &r->stage[0], *e = &r->stage[4];
+    double low = 0.0, h0 = 0.0, h1 = high, g0 = guard(b, k, s->d[j], s->w[j]), g1 = guard(b, k, e->d[j], e->w[j]);
+    if (g0 <= 0.0) {                     /* crossed together with another joint, where this step begins */
+        step(r, 0.0);
+        return 0.0;
+    }
+    while (high - low > 1e-16 && fabs(g1) > LANDED) {
         double h = h1 - g1 * (h1 - h0) / (g1 - g0);
-        if (g0 <= 0.0)
-            h = low = high = 0.0;        /* crossed together with another joint, at the start of the step */
-        else if (!(low < h && h < high))
+        if (!(low < h && h < high))
             h = 0.5 * (low + high);
         step(r, h);
-        h0 = h1, g0 = g1, h1 = h, g1 = guard(&r->branch[j], r->stage[4].d[j], r->stage[4].w[j]);
-        if (fabs(g1) <= LANDED)
-            break;
+        h0 = h1, g0 = g1, h1 = h, g1 = guard(b, k, e->d[j], e->w[j]);
         if (g1 > 0.0) low = h; else high = h;
     }
     return h1;
 }
 
 /* Take the branch beyond the end of the present one. */
-static void cross(Run *r, int j)
+static void cross(Run *r, int j, int end)
 {
-    const State *s = &r->stage[4];
     Branch *b = &r->branch[j];
-    double d = s->d[j], beyond = d - b->low < b->high - d ? d - BEYOND : d + BEYOND;
-    if (b->loading && s->w[j] < b->high - d) {
-        b->d_max = beyond = d;
+    double d = r->stage[0].d[j], beyond = d + (end == HIGH ? BEYOND : end == LOW ? -BEYOND : 0.0);
+    if (end == TURN) {
+        b->d_max = d;
         for (int c = 0; c < COLUMNS; c++)
             b->d_max_t[c] = r->stage_t[0].d[j][c];
-        choose(b, r->m->p[j], r->seeds->p[j], d, 0);
-    } else
-        choose(b, r->m->p[j], r->seeds->p[j], beyond, b->loading || beyond >= b->d_max);
+    }
+    choose(b, r->m->p[j], r->seeds->p[j], beyond, end != TURN && (b->loading || beyond >= b->d_max));
 }
 
 static void begin(Run *r)
@@ -221,7 +221,7 @@ long integrate(const Model *m, const Seeds *seeds, int plain, const double *time
     begin(r);
     for (long k = 0; r->steps < 100000000; r->steps++) {
         double left, h;
-        int j, crossed = -1;
+        int j, end, crossed = -1, crossed_end = LOW;
         if (COLUMNS)
             accelerate_t(r, r->stage, r->stage_t);
         if (plain)
@@ -237,8 +237,8 @@ long integrate(const Model *m, const Seeds *seeds, int plain, const double *time
         left = times[k] - t;
         h = left / fmax(1.0, ceil(left / longest - 1e-6));
         step(r, h);
-        while (!plain && (j = first_crossing(r)) >= 0)
-            h = land(r, crossed = j, h);
+        while (!plain && (j = first_crossing(r, &end)) >= 0)
+            h = land(r, crossed = j, crossed_end = end, h);
         if (COLUMNS)
             step_t(r, h);
         r->stage[0] = r->stage[4];
@@ -246,7 +246,7 @@ long integrate(const Model *m, const Seeds *seeds, int plain, const double *time
         if (crossed >= 0) {
             if (COLUMNS)
                 accelerate_t(r, r->stage, r->stage_t);
-            cross(r, crossed);
+            cross(r, crossed, crossed_end);
         }
     }
     return -1;

@@ -1,6 +1,8 @@
-"""Many simulations or fits, over any executor of `concurrent.futures`; what is on disk is not computed again."""
+"""Many simulations or fits, over any executor of `concurrent.futures`; what is on disk is not computed again.
+
+For many plain simulations of one model in memory, `crashkit.mechanics.simulate_many` is faster.
+"""
 
 from crashkit.campaign.campaign import run
-from crashkit.campaign.ensemble import ensemble
 
-__all__ = ["ensemble", "run"]
+__all__ = ["run"]

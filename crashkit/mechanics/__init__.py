@@ -1,8 +1,9 @@
 """Mechanics: bodies and joints in motion, simulated by one compiled engine with exact sensitivities."""
 
 from crashkit.mechanics.engine import Engine, compile_engine
+from crashkit.mechanics.ensemble import simulate_many
 from crashkit.mechanics.laws.source import LawFunction
 from crashkit.mechanics.layout import functions_of
 from crashkit.mechanics.simulator import Simulator, simulate
 
-__all__ = ["Engine", "LawFunction", "Simulator", "compile_engine", "functions_of", "simulate"]
+__all__ = ["Engine", "LawFunction", "Simulator", "compile_engine", "functions_of", "simulate", "simulate_many"]

@@ -1,72 +1,134 @@
 """The forces of a model's joints along a motion that was not simulated with it: recorded, or of another model."""
 
 from collections.abc import Mapping
+from itertools import pairwise
 
 import numpy as np
 import xarray as xr
+from scipy.spatial.transform import Rotation
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import SpringLaw
 
+Vectors = tuple[np.ndarray, np.ndarray]
+"""Something and its rate, each (time, axis)."""
+
 
 def forces_along(model: Model, laws: Mapping[str, type[SpringLaw]], motion: xr.Dataset) -> xr.Dataset:
-    """What the joints would push with if the bodies moved like this.
+    """What the joints would push with if the bodies moved like this (Mizzi & Jezequel 1992, eq 7-11).
 
     Arguments:
-        model: one axis.
+        model: in one, two or three axes.
         laws: installed laws and factors by name.
-        motion: `position` and `velocity` (time, body, axis), m and m s-1, of all the bodies that joints hold.
+        motion: `position` and `velocity` (time, body, axis), m and m s-1, of all the bodies that joints hold; in several axes also
+            `orientation` and `angular_velocity` (rad s-1), without which the bodies do not turn.
 
     Returns:
         Dataset with `deformation`, `deformation_rate`, `force` (time, joint), m, m s-1 and N, and `contact_force`
-        (time, body, axis), N, the net force of the joints on each body.
+        (time, body, axis), N, the net force of the joints on each body; in several axes also `contact_moment`, N m.
     """
     names = [body.name for body in model.bodies]
-    net = np.zeros((motion.sizes["time"], len(names)))
+    axes = list(motion["axis"].values)
+    net = np.zeros((2, motion.sizes["time"], len(names), len(axes)))
     columns: dict[str, list[np.ndarray]] = {"deformation": [], "deformation_rate": [], "force": []}
     for joint in model.joints:
         first, second = joint.bodies
-        side = _side(model, joint)
-        deformation, rate = _deformation(model, joint, side, motion)
-        force = _force(joint, laws, deformation, rate)
+        (deformation, rate), direction, arms = _geometry(model, joint, motion)
+        force = _force(joint, laws, motion["time"].values, deformation, rate)
         for name, column in zip(columns, (deformation, rate, force), strict=True):
             columns[name].append(column)
-        net[:, names.index(first)] -= side * force
-        net[:, names.index(second)] += side * force
+        push = force[:, None] * direction
+        for body, arm, sign in ((first, arms[0], -1.0), (second, arms[1], 1.0)):
+            net[0, :, names.index(body)] += sign * push
+            net[1, :, names.index(body)] += sign * np.cross(arm, push) if len(axes) == 3 else 0.0
     units = {"deformation": "m", "deformation_rate": "m s-1", "force": "N"}
     shape = (len(model.joints), motion.sizes["time"])
     variables: dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, str]]] = {
         name: (("time", "joint"), np.array(column).reshape(shape).T, {"units": units[name]})
         for name, column in columns.items()
     }
-    variables["contact_force"] = (("time", "body", "axis"), net[:, :, None], {"units": "N"})
-    coords = {"time": motion["time"].values, "joint": [j.name for j in model.joints], "body": names, "axis": list(model.axes)}
+    variables["contact_force"] = (("time", "body", "axis"), net[0], {"units": "N"})
+    if len(axes) == 3:
+        variables["contact_moment"] = (("time", "body", "axis"), net[1], {"units": "N m"})
+    coords = {"time": motion["time"].values, "joint": [j.name for j in model.joints], "body": names, "axis": axes}
     return xr.Dataset(variables, coords=coords)
 
 
-def _side(model: Model, joint: Joint) -> float:
+def _geometry(model: Model, joint: Joint, motion: xr.Dataset) -> tuple[Vectors, np.ndarray, tuple[np.ndarray, np.ndarray]]:
+    """Deformation and rate; the direction in which the second body is pushed; the arms from the centres of mass."""
+    points = joint.points or ((0.0,) * len(model.axes),) * 2
+    (near, near_rate), (far, far_rate) = (
+        _carried(model, motion, name, point) for name, point in zip(joint.bodies, points, strict=True)
+    )
+    apart, apart_rate = far - near, far_rate - near_rate
+    centres = [motion["position"].sel(body=name).values for name in joint.bodies]
+    if joint.normal is not None:
+        direction, turning = _turned(model, motion, joint.bodies[0], joint.normal)
+        length = np.sum(direction * apart, axis=1)
+        rate = np.sum(turning * apart + direction * apart_rate, axis=1)
+        arms = far - centres[0], far - centres[1]
+    else:
+        direction = _directions(model, joint, apart)
+        length = np.sum(direction * apart, axis=1)
+        rate = np.sum(direction * apart_rate, axis=1)
+        arms = near - centres[0], far - centres[1]
+    free_length = length[0] if joint.free_length is None else joint.free_length.value
+    return (free_length - length, -rate), direction, arms
+
+
+def _directions(model: Model, joint: Joint, apart: np.ndarray) -> np.ndarray:
+    if len(model.axes) > 1:
+        return apart / np.linalg.norm(apart, axis=1, keepdims=True)
     first, second = (model.body(name).position[0] for name in joint.bodies)
     points = joint.points or ((0.0,), (0.0,))
-    return 1.0 if second + points[1][0] >= first + points[0][0] else -1.0
+    return np.full_like(apart, 1.0 if second + points[1][0] >= first + points[0][0] else -1.0)
 
 
-def _deformation(model: Model, joint: Joint, side: float, motion: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    first, second = (motion.sel(body=name).isel(axis=0) for name in joint.bodies)
-    points = joint.points or ((0.0,), (0.0,))
-    length = side * (second["position"].values + points[1][0] - first["position"].values - points[0][0])
-    free_length = length[0] if joint.free_length is None else joint.free_length.value
-    return free_length - length, -side * (second["velocity"].values - first["velocity"].values)
+def _carried(model: Model, motion: xr.Dataset, body: str, point: tuple[float, ...]) -> Vectors:
+    """Where a point of a body is, and how fast it moves."""
+    own = motion.sel(body=body)
+    arm, rate = _turned(model, motion, body, point)
+    return own["position"].values + arm, own["velocity"].values + rate
 
 
-def _force(joint: Joint, laws: Mapping[str, type[SpringLaw]], deformation: np.ndarray, rate: np.ndarray) -> np.ndarray:
+def _turned(model: Model, motion: xr.Dataset, body: str, vector: tuple[float, ...]) -> Vectors:
+    """A vector of a body's frame in the laboratory's, and its rate."""
+    axes = motion["axis"].values.tolist()
+    row = np.zeros(len(axes))
+    row[[axes.index(axis) for axis in model.axes]] = vector
+    rows = np.tile(row, (motion.sizes["time"], 1))
+    if "orientation" not in motion:
+        return rows, np.zeros_like(rows)
+    own = motion.sel(body=body)
+    rows = Rotation.from_quat(own["orientation"].values, scalar_first=True).apply(rows)
+    return rows, np.cross(own["angular_velocity"].values, rows)
+
+
+def _force(
+    joint: Joint, laws: Mapping[str, type[SpringLaw]], times: np.ndarray, deformation: np.ndarray, rate: np.ndarray
+) -> np.ndarray:
     largest = np.maximum.accumulate(np.maximum(deformation, 0.0))
+    states = list(zip(deformation.tolist(), rate.tolist(), largest.tolist(), strict=True))
     force = np.ones(len(deformation))
     for law in (laws[name] for name in (joint.law, *joint.factors)):
         values = [_value(joint.parameters.get(spec.name), spec.default) for spec in law.parameters]
-        force *= [
-            law.force(d, v, m, *values) for d, v, m in zip(deformation.tolist(), rate.tolist(), largest.tolist(), strict=True)
-        ]
+        if law.memory:
+            remembered = _memory(law, times, states, values)
+            force *= [law.force(*state, z, *values) for state, z in zip(states, remembered, strict=True)]
+        else:
+            force *= [law.force(*state, *values) for state in states]
     return force
+
+
+def _memory(
+    law: type[SpringLaw], times: np.ndarray, states: list[tuple[float, float, float]], values: list[object]
+) -> list[float]:
+    """A law's memory from 0 at the first sample, by Heun's rule."""
+    memory = [0.0]
+    for step, (now, then) in zip(np.diff(times).tolist(), pairwise(states), strict=True):
+        slope = law.memory_rate(*now, memory[-1], *values)
+        memory.append(memory[-1] + 0.5 * step * (slope + law.memory_rate(*then, memory[-1] + step * slope, *values)))
+    return memory
 
 
 def _value(parameter: Parameter | tuple[Parameter, ...] | None, default: float | None) -> object:

@@ -1,4 +1,4 @@
-"""The law of a joint with its factors as plain Python: the same branches and derivatives as the engine's, one state at a time."""
+"""The law of a joint with its factors as plain Python: the engine's branches and derivatives, one state at a time."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -50,9 +50,7 @@ class JointLaw:
         """The branches that a state takes."""
         return tuple(mode(*state, *NO_MEMORY, own, 0) for (mode, _, _), own in zip(self._parts, numbers, strict=True))
 
-    def evaluate(
-        self, state: Sequence[float], modes: Modes, numbers: Sequence[Sequence[float]]
-    ) -> tuple[float, np.ndarray]:
+    def evaluate(self, state: Sequence[float], modes: Modes, numbers: Sequence[Sequence[float]]) -> tuple[float, np.ndarray]:
         """The force, N, on given branches, and its derivatives to d, ddot, d_max and each of `paths`."""
         force, slopes = 1.0, np.zeros(len(STATE) + len(self.paths))
         inputs = len(STATE) + len(NO_MEMORY)
@@ -73,9 +71,7 @@ class JointLaw:
 def _function(joint: Joint, laws: Mapping[str, type[SpringLaw]], name: str) -> LawFunction:
     law = laws.get(name)
     if law is None:
-        raise CrashkitError(
-            f"joint {joint.name}: expected a law that is installed ({', '.join(sorted(laws))}), found {name}"
-        )
+        raise CrashkitError(f"joint {joint.name}: expected a law that is installed ({', '.join(sorted(laws))}), found {name}")
     if law.memory:
         raise CrashkitError(
             f"joint {joint.name}: expected a law without a memory of its own, found {name}, whose {law.memory} no motion tells"

@@ -21,7 +21,7 @@ class Track:
     Arguments:
         law: what gives them.
         state: (time, 3), deformation, its rate, and the largest deformation so far.
-        ends: of both bodies, the row and (time, axis) the force and, in several axes, the moment that a force of 1 N puts on it.
+        ends: of both bodies, the row, and (time, axis) what a force of 1 N puts on it: a force and, in several axes, a moment.
     """
 
     law: JointLaw
@@ -33,9 +33,7 @@ class Track:
         numbers = self.law.numbers(values)
         return [self.law.modes(state, numbers) for state in self.state.tolist()]
 
-    def push(
-        self, modes: Sequence[Modes], values: Mapping[str, float], paths: Sequence[str]
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def push(self, modes: Sequence[Modes], values: Mapping[str, float], paths: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
         """The forces (time,), N, on given branches, and their derivatives (time, parameter) to `paths`."""
         numbers = self.law.numbers(values)
         rows = [self.law.evaluate(state, taken, numbers) for state, taken in zip(self.state.tolist(), modes, strict=True)]
@@ -100,7 +98,7 @@ class _End:
 
 
 def _direction(model: Model, joint: Joint, first: _End, apart: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where a joint pushes its second body, (time, axis), and how fast that direction turns as far as the distance feels it."""
+    """Where a joint pushes its second body, (time, axis), and how fast that turns as far as the distance feels it."""
     if first.frame is None:
         ends = [model.body(name).position[0] for name in joint.bodies]
         points = joint.points or ((0.0,), (0.0,))

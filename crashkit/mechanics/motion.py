@@ -47,22 +47,28 @@ def motion_of(
         paths: the parameters that the sensitivities are to.
     """
     count = names["joint"].size, names["body"].size
-    arrays, rest = _quantities(record.values, axes, *count)
-    if len(axes) == 3:
-        arrays["orientation"] = rest.reshape(len(times), -1, 4)
-    if len(axes) == 2:
-        arrays["orientation"] = _turned(arrays["rotation"], normal_of(axes))
-    arrays.pop("rotation", None)
+    arrays = recorded(record.values, axes, *count)
     indexes = [_index("time", times, {"units": "s"})]
     if paths:
         indexes.append(_index("parameter", np.array(paths, dtype=str), {}))
-        tangents, _ = _quantities(record.tangents, axes, *count)
+        tangents, _ = quantities(record.tangents, axes, *count)
         arrays |= {f"{name}_sensitivity": values for name, values in tangents.items()}
     variables = {name: _variable(name, values) for name, values in arrays.items()}
     return xr.Dataset(variables, _extended(names, indexes))
 
 
-def _quantities(entries: Floats, axes: Sequence[str], joints: int, bodies: int) -> tuple[dict[str, Floats], Floats]:
+def recorded(values: Floats, axes: Sequence[str], joints: int, bodies: int) -> dict[str, Floats]:
+    """Quantities (time, body or joint, ...) from the values of a record (time, entry)."""
+    arrays, rest = quantities(values, axes, joints, bodies)
+    if len(axes) == 3:
+        arrays["orientation"] = rest.reshape(len(values), bodies, 4)
+    if len(axes) == 2:
+        arrays["orientation"] = turned(arrays["rotation"], normal_of(axes))
+    arrays.pop("rotation", None)
+    return arrays
+
+
+def quantities(entries: Floats, axes: Sequence[str], joints: int, bodies: int) -> tuple[dict[str, Floats], Floats]:
     """Quantities (time, body or joint, ...) from the entries of a record (time, entry, ...), and the entries left over."""
     dof = DOF[len(axes)]
     n = dof * bodies
@@ -88,7 +94,7 @@ def _in_space(values: Floats, directions: Floats) -> Floats:
     return np.moveaxis(np.tensordot(values, directions, (2, 0)), -1, 2)
 
 
-def _turned(rotation: Floats, normal: Floats) -> Floats:
+def turned(rotation: Floats, normal: Floats) -> Floats:
     """The quaternions of rotations about a normal."""
     half = 0.5 * rotation @ normal
     return np.concatenate([np.cos(half)[..., None], np.sin(half)[..., None] * normal], axis=2)
@@ -108,8 +114,12 @@ def _extended(names: xr.Coordinates, indexes: Sequence[tuple[PandasIndex, dict[H
     return xr.Coordinates(variables, known)
 
 
-def _variable(name: str, values: Floats) -> xr.Variable:
+def dims_of(name: str) -> tuple[str, ...]:
+    """The dims of a quantity or of its sensitivity, after time."""
     quantity = name.removesuffix("_sensitivity")
     columns = ("parameter",) if quantity != name else ()
-    dims = ("joint",) if quantity in BY_JOINT else ("body", "quaternion" if quantity == "orientation" else "axis")
-    return xr.Variable(("time", *dims, *columns), values, {"units": UNITS[quantity]})
+    return ("joint", *columns) if quantity in BY_JOINT else ("body", "quaternion" if quantity == "orientation" else "axis", *columns)
+
+
+def _variable(name: str, values: Floats) -> xr.Variable:
+    return xr.Variable(("time", *dims_of(name)), values, {"units": UNITS[name.removesuffix("_sensitivity")]})

@@ -81,8 +81,8 @@ def work_of(layout: Layout, engine: Engine, paths: Sequence[str]) -> Work:
     size = 2 * n + int(np.count_nonzero(functions["memory"] >= 0))
     widest = max(functions["count"], default=0)
     work = Work(
-        bodies=_bodies(layout),
-        joints=_joints(layout),
+        bodies=bodies_of(layout),
+        joints=joints_of(layout),
         functions=functions,
         parameters=layout.parameters,
         given=layout.given,
@@ -107,35 +107,36 @@ def record_of(work: Work, axes: int, times: int) -> Record:
     return Record(np.empty((times, entries + turns)), np.empty((times if columns else 0, entries, columns)))
 
 
-def _bodies(layout: Layout) -> Records:
-    bodies = np.zeros(len(layout.bodies), BODY)
+def bodies_of(layout: Layout) -> Records:
+    """The bodies' records; the arrays of the layout may have first dims of their own, of many runs."""
+    bodies = np.zeros(layout.masses.shape, BODY)
     bodies["inverse_mass"] = 1.0 / layout.masses
     bodies["mass_column"] = -1
     bodies["inertia_columns"] = -1
-    bodies["frame"][:, 9:] = layout.quaternions
+    bodies["frame"][..., 9:] = layout.quaternions
+    inertia, turning = bodies["inertia"], np.any(layout.inertia > 0.0, axis=-1)
+    for entry, (i, k) in enumerate(ENTRIES):
+        inertia[..., 0, i, k] = inertia[..., 0, k, i] = layout.inertia[..., entry]
     if len(layout.axes) == 2:
-        turning = layout.inertia[:, 2] > 0.0
-        bodies["inertia"][:, 0, 2, 2] = layout.inertia[:, 2]
-        bodies["inertia"][turning, 1, 2, 2] = 1.0 / layout.inertia[turning, 2]
+        inertia[turning, 1, 2, 2] = 1.0 / inertia[turning, 0, 2, 2]
     if len(layout.axes) == 3:
-        turning = np.any(layout.inertia > 0.0, axis=1)
-        for entry, (i, k) in enumerate(ENTRIES):
-            bodies["inertia"][:, 0, i, k] = bodies["inertia"][:, 0, k, i] = layout.inertia[:, entry]
-        bodies["inertia"][turning, 1] = np.linalg.inv(bodies["inertia"][turning, 0])
+        inertia[turning, 1] = np.linalg.inv(inertia[turning, 0])
     return bodies
 
 
-def _joints(layout: Layout) -> Records:
-    joints = np.zeros(len(layout.joints), JOINT)
+def joints_of(layout: Layout) -> Records:
+    """The joints' records, likewise."""
+    joints = np.zeros(layout.free_lengths.shape, JOINT)
     axes = len(layout.axes)
     bounds = np.cumsum([0, *map(len, layout.functions)])
     joints["first"], joints["second"] = layout.ends.T
-    joints["places"].reshape(-1, 3, 3)[:, :2, :axes] = layout.points
-    joints["places"][:, 6 : 6 + axes] = layout.normals
+    for end in range(2):
+        joints["places"][..., 3 * end : 3 * end + axes] = layout.points[..., end, :]
+    joints["places"][..., 6 : 6 + axes] = layout.normals
     joints["face"] = np.isfinite(layout.normals[:, 0])
     if axes == 1:
-        ends = layout.start[0, layout.ends, 0] + layout.points[:, :, 0]
-        joints["places"][:, 6] = np.where(ends[:, 1] < ends[:, 0], -1.0, 1.0)
+        ends = layout.start[..., 0, layout.ends, 0] + layout.points[..., 0]
+        joints["places"][..., 6] = np.where(ends[..., 1] < ends[..., 0], -1.0, 1.0)
     joints["point_columns"] = -1
     joints["rest"] = layout.free_lengths
     joints["start"], joints["stop"] = bounds[:-1], bounds[1:]

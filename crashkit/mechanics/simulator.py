@@ -35,7 +35,7 @@ class Simulator:
 
     def __init__(self, model: Model, laws: Laws, engine: Engine | None = None) -> None:
         self.model = model
-        self._layout = lay_out(model, laws)
+        self.layout = lay_out(model, laws)
         self.engine = compile_engine(functions_of(model, laws), len(model.axes)) if engine is None else engine
         missing = functions_of(model, laws) - self.engine.numbers.keys()
         if missing:
@@ -45,11 +45,11 @@ class Simulator:
             found = f"one for {self.engine.axes}"
             raise CrashkitError(f"model {model.name}: expected an engine for {len(model.axes)} axes, found {found}")
         ends = np.array([joint.bodies for joint in model.joints], dtype=str).reshape(-1, 2)
-        self._names = xr.Coordinates(
+        self.names = xr.Coordinates(
             {
-                "body": list(self._layout.bodies),
+                "body": list(self.layout.bodies),
                 "axis": list(model.axes if len(model.axes) == 1 else XYZ),
-                "joint": np.array(self._layout.joints, dtype=str),
+                "joint": np.array(self.layout.joints, dtype=str),
                 "joint_bodies": (("joint", "end"), ends),
             }
         )
@@ -85,9 +85,9 @@ class Simulator:
             CrashkitError: a path the model does not have, or times that cannot be used.
             SimulationError: the motion is not finite, or it does not get past some time.
         """
-        instants = _checked(times)
+        instants = checked(times)
         record = self.record(instants, values, initial, sensitivities, step)
-        return motion_of(record, instants, self.model.axes, self._names, sensitivities)
+        return motion_of(record, instants, self.model.axes, self.names, sensitivities)
 
     def record(
         self,
@@ -98,13 +98,13 @@ class Simulator:
         step: float = 1e-4,
     ) -> Record:
         """The same as plain arrays, without the cost of a Dataset; arguments as of `run`, the times unchecked."""
-        layout = prepare(self._layout, values or {}, initial)
+        layout = prepare(self.layout, values or {}, initial)
         work = work_of(layout, self.engine, sensitivities)
-        instants = _with_knots(times, layout)
+        instants = with_knots(times, layout)
         record = record_of(work, len(layout.axes), instants.size)
         status, joint, t, _ = self.engine.module.integrate(instants, float(step), *work, *record, NO_HISTORY)
         if status != DONE:
-            raise SimulationError(self._failure(status, joint, t))
+            raise SimulationError(self.sentence(status, joint, t))
         if instants is times:
             return record
         asked = np.searchsorted(instants, times)
@@ -133,9 +133,9 @@ class Simulator:
         Raises:
             CrashkitError: a law whose force may jump; a quantity that a motion does not have.
         """
-        instants = _checked(times)
+        instants = checked(times)
         paths = list(self.model.free_parameters() if parameters is None else parameters)
-        seeds = seeds_of(weights, instants, self.model.axes, self._names)
+        seeds = seeds_of(weights, instants, self.model.axes, self.names)
         gradient = self.gradient(instants, seeds, paths, values, initial, step)
         return xr.DataArray(gradient, {"parameter": paths}, ["parameter"], name="gradient")
 
@@ -149,9 +149,9 @@ class Simulator:
         step: float = 1e-4,
     ) -> Floats:
         """The same from plain arrays: `seeds` (time, entry) are the weights of a record's entries, all but quaternions."""
-        layout = prepare(self._layout, values or {}, initial)
+        layout = prepare(self.layout, values or {}, initial)
         work = work_of(layout, self.engine, ())
-        instants = _with_knots(times, layout)
+        instants = with_knots(times, layout)
         history, steps = self._history(layout, work, instants, float(step))
         return sweep_back(layout, work, self.engine, history, steps, np.searchsorted(instants, times), seeds, parameters)
 
@@ -166,11 +166,14 @@ class Simulator:
             if status == DONE:
                 return history, steps
             if status != FULL:
-                raise SimulationError(self._failure(status, joint, t))
+                raise SimulationError(self.sentence(status, joint, t))
             room *= 2
             work.state[START], work.joints["rest"] = start, rests
 
-    def _failure(self, status: int, number: int, t: float) -> str:
+    def sentence(self, status: int, number: int, t: float) -> str:
+        """How a run ended, in words: status, joint and time as the kernel returns them."""
+        if status == DONE:
+            return "completed"
         joint = self.model.joints[number]
         place = f"joint {joint.name} between {joint.bodies[0]} and {joint.bodies[1]} at t = {t:.6g} s"
         if status == NOT_FINITE:
@@ -194,13 +197,14 @@ def simulate(
     return Simulator(model, laws).run(times, values, initial, sensitivities, step)
 
 
-def _with_knots(times: Floats, layout: Layout) -> Floats:
+def with_knots(times: Floats, layout: Layout) -> Floats:
     """The times asked for, and those at which what is given changes its slope."""
     knots = layout.given[:, 0]
     return np.union1d(times, knots[knots < times[-1]]) if knots.size > 1 else times
 
 
-def _checked(times: ArrayLike) -> Floats:
+def checked(times: ArrayLike) -> Floats:
+    """Times as an array; raises CrashkitError for what cannot be used."""
     instants = np.ascontiguousarray(times, dtype=float)
     if instants.ndim != 1 or instants.size == 0 or not np.all(np.isfinite(instants)):
         raise CrashkitError(f"expected times in one dimension, all finite, found an array of shape {instants.shape}")

@@ -32,11 +32,12 @@ def state_form(model: Model, laws: Mapping[str, type[SpringLaw]], motion: xr.Dat
             several axes also `orientation` and `angular_velocity`, as `Simulator.run` gives them.
 
     Returns:
-        Dataset with `matrix` f (time, body, axis, parameter), `given` g and `acceleration` f U + g (time, body, axis), m s-2, in
-        several axes also `angular_matrix`, `angular_given` and `angular_acceleration`, rad s-2; 0 for bodies that no force
-        moves. `linear` (parameter): whether the equations are linear in it and in all others that are. `branch` (time, joint): a
-        number for each branch that a joint's law takes. `interval_number` (time), in the common sequence of the intervals of all
-        joints; `start`, `end` (interval), s, the first and last instant of each; `crossing` (interval), the joints that begin it.
+        Dataset with `matrix` f (time, body, axis, parameter), `given` g and `acceleration` f U + g (time, body, axis), m s-2,
+        in several axes also `angular_matrix`, `angular_given` and `angular_acceleration`, rad s-2; 0 for bodies that no force
+        moves. `linear` (parameter): whether the equations are linear in it and in all others that are. `branch` (time, joint):
+        a number for each branch that a joint's law takes. `interval_number` (time), in the common sequence of the intervals of
+        all joints; `start`, `end` (interval), s, the first and last instant of each; `crossing` (interval), the joints that
+        begin it. A crossing, and the largest deformation, are known to the sampling of the motion.
     """
     equations = StateForm(model, laws, motion)
     values = {path: parameter.value for path, parameter in model.parameters().items()}
@@ -97,9 +98,7 @@ class StateForm:
             load[:, row], slopes[:, row] = self._response(row, body, load[:, row], slopes[:, row], values)
         return load, slopes
 
-    def is_linear(
-        self, path: str, values: Mapping[str, float], modes: Sequence[Sequence[Modes]], matrix: np.ndarray
-    ) -> bool:
+    def is_linear(self, path: str, values: Mapping[str, float], modes: Sequence[Sequence[Modes]], matrix: np.ndarray) -> bool:
         """Whether no derivative changes with this parameter while the branches are held; `matrix` is that of `at`."""
         nudged = {**values, path: values[path] * NUDGE if values[path] else NUDGE}
         other = self.at(nudged, modes)[1]

@@ -44,9 +44,9 @@ def cross_check(
 
     Returns:
         Dataset with the dims of the film: displacements `film` and `accelerometer` with `film_std` and `accelerometer_std`,
-        and `difference` with `difference_std`; by `body`: `chi_square`, `degrees_of_freedom`, `probability` (of a difference as
-        large by chance), `consistent`, `detectable_gain` (the relative error of the accelerometers' sensitivity that would have
-        been seen) and `sentence`.
+        and `difference` with `difference_std`; by `body`: `chi_square`, `degrees_of_freedom`, `probability` (of a difference
+        as large by chance), `consistent`, `detectable_gain` (the relative error of the accelerometers' sensitivity that would
+        have been seen) and `sentence`.
 
     Raises CrashkitError where the accelerometers tell of no body that the film shows.
 
@@ -57,7 +57,7 @@ def cross_check(
     bodies = [body for body in dict.fromkeys(seeing.bodies) if body in felt]
     if not bodies:
         raise CrashkitError(f"expected a body that both {film} and {accelerometer} watch, found {seeing.bodies} and {felt}")
-    initial = recording["initial"].to_dataset(inherit=False) if "initial" in recording.children else None
+    initial = recording.children["initial"].to_dataset(inherit=False) if "initial" in recording.children else None
     checks = [_check(body, seeing.on(body), feeling.on(body), initial, known_velocity) for body in bodies]
     displacements = xr.concat([seen for seen, _ in checks], dim=seeing.observer.channel)
     return displacements.merge(xr.concat([verdict for _, verdict in checks], dim="body"))
@@ -66,7 +66,7 @@ def cross_check(
 def _watcher(recording: xr.DataTree, name: str, observers: Mapping[str, type[Observer]]) -> Watcher:
     if name not in recording.children:
         raise CrashkitError(f"expected a group {name}, found {', '.join(recording.children)}")
-    group = recording[name].to_dataset(inherit=False)
+    group = recording.children[name].to_dataset(inherit=False)
     return Watcher(observers[str(group.attrs["observer"])](), group)
 
 

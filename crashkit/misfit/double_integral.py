@@ -60,8 +60,9 @@ class Watcher:
 
     def with_samples(self, samples: np.ndarray) -> "Watcher":
         """The same instrument with other readings, (time, column)."""
-        quantity = self.group[self.observer.quantity]
-        return Watcher(self.observer, self.group.assign({quantity.name: quantity.copy(data=samples.reshape(quantity.shape))}))
+        recorded = self.group.variables[self.observer.quantity]
+        readings = xr.Variable(recorded.dims, samples.reshape(recorded.shape), recorded.attrs)
+        return Watcher(self.observer, self.group.assign({self.observer.quantity: readings}))
 
 
 @frozen
@@ -86,8 +87,10 @@ class Route:
         """
         source = self.accelerometer if samples is None else self.accelerometer.with_samples(samples)
         felt = source.observer.reconstruct(source.group)
-        felt = felt.isel(time=np.isfinite(felt["acceleration"]).all(("body", "axis")).values)
-        return self.film.with_samples(self._predicted(self._motion(felt, faster))).samples
+        known = np.isfinite(felt["acceleration"].values).all(axis=(1, 2))
+        motion = self._motion(felt if known.all() else felt.isel(time=known), faster)
+        predicted = self.film.observer.predict(motion, self.film.group)[self.film.observer.quantity].values
+        return np.asarray(predicted).reshape(len(predicted), -1)
 
     def noise(self) -> np.ndarray:
         """What a standard deviation of each cosine of the accelerometers' noise changes, (time, column, cosine).
@@ -118,17 +121,14 @@ class Route:
         start, speed = (self._known(felt, name) for name in ("position", "velocity"))
         gained = CubicSpline(times, acceleration).antiderivative()
         velocity = speed + faster + gained(times)
-        position = start + np.outer(times, np.ones(len(start))) * (speed + faster) + gained.antiderivative()(times)
-        dims = ("time", "body", "axis")
-        variables = {"position": (dims, position[:, None]), "velocity": (dims, velocity[:, None])}
-        return felt[["acceleration", *(name for name in ROTATION if name in felt)]].assign(variables)
+        position = start + np.outer(times, speed + faster) + gained.antiderivative()(times)
+        moved = {"position": position, "velocity": velocity}
+        variables = {name: xr.Variable(("time", "body", "axis"), values[:, None]) for name, values in moved.items()}
+        variables |= {name: felt.variables[name] for name in ("acceleration", *ROTATION) if name in felt}
+        return xr.Dataset(variables, felt.coords)
 
     def _known(self, felt: xr.Dataset, name: str) -> np.ndarray:
         axes = felt["axis"].values
         if self.state is None:
             return np.zeros(len(axes))
         return self.state[name].sel(body=felt["body"].values[0]).reindex(axis=axes, fill_value=0.0).values
-
-    def _predicted(self, motion: xr.Dataset) -> np.ndarray:
-        quantity = self.film.observer.quantity
-        return np.asarray(self.film.observer.predict(motion, self.film.group)[quantity].values)

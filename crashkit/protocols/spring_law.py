@@ -7,6 +7,11 @@ from typing import ClassVar
 from crashkit.protocols.parameter import ParameterSpec
 
 
+def no_change(*state: float) -> float:
+    """The rate of a memory that stays as it is."""
+    return 0.0
+
+
 class SpringLaw(ABC):
     """The force of a joint from deformation, rate, largest deformation and parameters.
 
@@ -40,4 +45,4 @@ class SpringLaw(ABC):
     jumps: ClassVar[bool] = False
     passive: ClassVar[bool] = True
     force: ClassVar[Callable[..., float]]
-    memory_rate: ClassVar[Callable[..., float]]
+    memory_rate: ClassVar[Callable[..., float]] = staticmethod(no_change)

@@ -68,14 +68,10 @@ def _line(
 ) -> None:
     marks = {"color": colour, "size": 3} if mode == "markers" else {}
     row, column = place
-    figure.add_scatter(
-        x=x, y=y, name=name, mode=mode, line_color=colour, marker=marks, showlegend=legend, row=row, col=column
-    )
+    figure.add_scatter(x=x, y=y, name=name, mode=mode, line_color=colour, marker=marks, showlegend=legend, row=row, col=column)
 
 
-def _band(
-    figure: "Figure", x: np.ndarray, y: np.ndarray, half: np.ndarray, colour: str, place: tuple[int, int]
-) -> None:
+def _band(figure: "Figure", x: np.ndarray, y: np.ndarray, half: np.ndarray, colour: str, place: tuple[int, int]) -> None:
     known = np.isfinite(y + half)
     around = np.concatenate([(y + half)[known], (y - half)[known][::-1]])
     row, column = place

@@ -228,9 +228,7 @@ def _rounded(values: xr.DataArray, step: float) -> xr.DataArray:
     return (values / step).round() * step
 
 
-def _instrument(
-    seen: xr.Dataset, quantity: str, channel: str, units: str, attributes: Mapping[str, object]
-) -> xr.Dataset:
+def _instrument(seen: xr.Dataset, quantity: str, channel: str, units: str, attributes: Mapping[str, object]) -> xr.Dataset:
     """The readings at the centre of mass of each body."""
     bodies = seen["body"].values.tolist()
     return xr.Dataset(

@@ -1,4 +1,4 @@
-"""Campaigns: in order, resumable, whole files; ensembles: the same motions, however they are shared out."""
+"""Campaigns: in order, resumable, whole files."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -6,11 +6,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from crashkit.campaign import ensemble, run
+from crashkit.campaign import run
 from crashkit.errors import CrashkitError
-from crashkit.mechanics import Simulator
-from crashkit.registry import load
-from crashkit.testing import toys
 
 ITEMS = {"nine": 9.0, "four": 4.0, "one": 1.0}
 
@@ -74,16 +71,3 @@ def test_a_name_that_is_no_file_name_is_refused_before_anything_is_computed(tmp_
     with pytest.raises(CrashkitError, match="^expected names of items that can be file names, found "):
         run(root, {"fine": 1.0, name: 4.0}, tmp_path)
     assert not any(tmp_path.iterdir())
-
-
-def test_an_ensemble_is_one_simulation_after_the_other(executor):
-    model, times = toys.one_degree(), np.linspace(0.0, 0.3, 61)
-    simulator = Simulator(model, load().spring_laws)
-    values = [{"joint.first.crush_force": force} for force in (2e4, 2.4e4, 3e4, 5e4)]
-    motions = ensemble(simulator, values, times, executor)
-    assert motions["position"].dims == ("member", "time", "body", "axis")
-    assert "member" not in motions["time"].dims
-    for member, one in enumerate(values):
-        alone = simulator.run(times, one)
-        for quantity in ("position", "velocity", "force"):
-            assert np.array_equal(motions[quantity].values[member], alone[quantity].values), quantity

@@ -2,10 +2,11 @@
 
 from collections.abc import Callable, Mapping
 
+import numpy as np
 import pytest
 
 from crashkit.mechanics import Engine, LawFunction, Simulator, compile_engine
-from crashkit.model import Body, Joint, Model, Parameter
+from crashkit.model import Body, GivenForce, GivenMotion, Joint, Model, Parameter
 from crashkit_spring_laws import SPRING_LAWS
 
 SIZES = {"piecewise_affine": (3, 3), "smooth_table": (4,), "rate_table": (4,)}
@@ -16,6 +17,15 @@ PLATEAU = {
     "densification_stiffness": 1.2,
 }
 """The paper's first spring."""
+CRUSH = {
+    "elastic_stiffness": 1e6,
+    "crush_force": 5e4,
+    "densification_deformation": 0.15,
+    "densification_stiffness": 5e5,
+    "unloading_stiffness": 3e6,
+    "rate_coefficient": 0.01,
+}
+STOP = {"stiffness": 8e5, "stop_deformation": 0.05}
 
 
 @pytest.fixture(scope="session")
@@ -64,3 +74,43 @@ def _parameter(value):
     if isinstance(value, list):
         return tuple(Parameter(entry) for entry in value)
     return Parameter(value)
+
+
+@pytest.fixture(scope="session")
+def car() -> Callable[[int], Model]:
+    """A model that has everything, in so many axes."""
+    return _car
+
+
+def _numbers(values):
+    return {name: Parameter(value) for name, value in values.items()}
+
+
+def _car(axes):
+    """Two bodies against a wall, lines and a face, a table of two laws, gravity, a given force and an imposed motion."""
+
+    def vector(*values):
+        return (*values, 0.02, -0.03)[:axes]
+
+    inertia = {1: (), 2: (20.0,), 3: (20.0, 25.0, 30.0)}[axes]
+    other = {1: (), 2: (60.0,), 3: (60.0, 80.0, 90.0, 2.0, -3.0, 1.0)}[axes]
+    zero = (0.0,) * axes
+    force = GivenForce((0.0, 0.05), (zero, vector(2e4)))
+    samples = tuple(np.linspace(0.0, 0.08, 9))
+    shaking = GivenMotion(samples, tuple(vector(-2.4 + 0.01 * np.sin(50.0 * t)) for t in samples))
+    bodies = (
+        Body("wall", zero, zero, fixed=True),
+        Body("front", vector(-0.6), vector(12.0), Parameter(200.0), inertia=tuple(map(Parameter, inertia))),
+        Body("rear", vector(-1.5), vector(12.0), Parameter(600.0), inertia=tuple(map(Parameter, other)), force=force),
+        Body("shaker", zero, zero, motion=shaking),
+    )
+    points = (vector(0.0), vector(0.1)), (vector(-0.2), vector(0.2))
+    normal = (-1.0, *(0.0,) * (axes - 1)) if axes > 1 else None
+    joints = (
+        Joint("face", ("wall", "front"), "crush_plateau", _numbers(CRUSH), points=points[0], normal=normal),
+        Joint("line", ("front", "rear"), "crush_plateau", _numbers(CRUSH), points=points[1]),
+        Joint("stop", ("front", "rear"), "linear_stop", _numbers(STOP), factors=("rate_linear",), points=points[0]),
+        Joint("tow", ("rear", "shaker"), "tension_spring", _numbers({"stiffness": 1e5}), free_length=Parameter(0.95)),
+    )
+    joints[2].parameters.update(_numbers({"rate_slope": 0.02}))
+    return Model("adjoint", ("x", "y", "z")[:axes], bodies, joints, gravity=vector(0.5))

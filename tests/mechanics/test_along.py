@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 from attrs import evolve
 
+from crashkit.mechanics import Simulator
 from crashkit.mechanics.along import forces_along
 from crashkit.model import Body, Model, Parameter
 
@@ -52,6 +53,17 @@ def test_along_its_own_motion_the_forces_are_the_simulators(chain, laws, simulat
     scale = float(np.abs(motion[quantity]).max())
     # Between the instants a joint may turn round, so that the largest deformation is known to a hundredth of a per cent.
     assert along[quantity].values == pytest.approx(motion[quantity].values, abs=1e-4 * scale)
+
+
+@pytest.mark.parametrize("axes", [2, 3])
+def test_so_they_are_in_the_plane_and_in_space(car, laws, axes):
+    model = car(axes)
+    motion = Simulator(model, laws).run(np.linspace(0.0, 0.08, 1601))
+    along = forces_along(model, laws, motion[["position", "velocity", "orientation", "angular_velocity"]])
+    for quantity in ("deformation", "deformation_rate", "force", "contact_force", "contact_moment"):
+        assert along[quantity].dims == motion[quantity].dims
+        scale = float(np.abs(motion[quantity]).max())
+        assert along[quantity].values == pytest.approx(motion[quantity].values, abs=1e-3 * scale), quantity
 
 
 def test_a_recorded_motion_needs_no_simulation(joint, against_wall, laws):

@@ -17,7 +17,7 @@ from crashkit.mechanics.kernel.arrays import (
 from crashkit.mechanics.kernel.forces import accelerate, kinematics
 from crashkit.mechanics.kernel.line import AXES, CURVED, DOF, locate, settle
 from crashkit.mechanics.kernel.stand_ins import compiled
-from crashkit.mechanics.kernel.steps import RESOLUTION, choose_branches, find_step
+from crashkit.mechanics.kernel.steps import RESOLUTION, choose_branches, choose_branches_of, find_step
 from crashkit.mechanics.kernel.tangents import (
     accelerate_tangent,
     crossing_tangent,
@@ -125,26 +125,31 @@ def remember(bodies, joints, functions, state, t, piece, k, history, s):
 
 
 @compiled
-def change_branches(bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, t, piece, guard, culprit, ahead):
-    """Change to the branches beyond a crossing; returns the smallest guard there and its joint."""
+def change_branches(
+    bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, t, piece, ahead
+):
+    """Change to the branches beyond a crossing, one joint after another; returns the smallest guard there and its joint.
+
+    Where the force of a joint jumps, the derivatives are given their jump.
+    """
     size, jumps = state.shape[1] // 2, False
+    locate(bodies, state, START)
     if tangent.shape[2] > 0:
         freeze_tangent(bodies, joints, state, tangent, joint_tangent)
-        if culprit >= 0:
-            joint, own = joints[culprit], joint_tangent[culprit]
-            kinematics(bodies, joint, state, START)
-            deformation_tangent(joint, tangent, own, START)
-            jumps = crossing_tangent(bodies, joint, functions, parameters, state, columns, partials, tangent, own, guard)
-    for i in range(size):
-        state[1, size + i] = state[START, size + i]
-    choose_branches(bodies, joints, functions, parameters, state, ahead)
-    smallest, joint_number = accelerate(bodies, joints, functions, parameters, given, state, START, t, piece)
-    if jumps:
-        for i in range(size):
-            jump = state[1, size + i] - state[START, size + i]
-            for c in range(tangent.shape[2]):
-                tangent[START, i, c] += jump * joint_tangent[culprit, FORCE, c]
-    return smallest, joint_number
+    for j in range(joints.size):
+        joint, own = joints[j], joint_tangent[j]
+        if tangent.shape[2] > 0:
+            jumps = crossing_tangent(bodies, joint, functions, parameters, state, columns, partials, tangent, own)
+        choose_branches_of(bodies, joint, functions, parameters, state, ahead)
+        if jumps:
+            for i in range(size):
+                state[1, size + i] = state[START, size + i]
+            accelerate(bodies, joints, functions, parameters, given, state, START, t, piece)
+            for i in range(size):
+                jump = state[1, size + i] - state[START, size + i]
+                for c in range(tangent.shape[2]):
+                    tangent[START, i, c] += jump * own[FORCE, c]
+    return accelerate(bodies, joints, functions, parameters, given, state, START, t, piece)
 
 
 @compiled
@@ -172,6 +177,7 @@ def integrate(
     guard, culprit = math.inf, NONE
     size = state.shape[1] // 2
     begin(bodies, joints, state, tangent, joint_tangent)
+    choose_branches(bodies, joints, functions, parameters, state, ahead)
     while True:
         while piece + 1 < given.shape[0] and given[piece + 1, 0] <= t + RESOLUTION * step:
             piece += 1
@@ -190,8 +196,6 @@ def integrate(
                 joint_tangent,
                 t,
                 piece,
-                guard,
-                culprit,
                 ahead,
             )
         if guard == -math.inf or crossings > MAX_CROSSINGS:

@@ -28,4 +28,4 @@ def law_partials(
 def law_guard(
     number: int, mode: int, d: float, ddot: float, d_max: float, z: float, p: Floats, o: int, out: Floats
 ) -> float:
-    """Smallest guard, and into `out` its derivatives, for a function whose value may jump; minus infinity for the others."""
+    """Smallest guard, and into `out` its derivatives, for a function whose value may jump; infinity for the others."""

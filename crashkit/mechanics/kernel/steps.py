@@ -23,6 +23,8 @@ RESOLUTION = 1e-12
 """Of a crossing in time, relative to the longest step."""
 SHORTEST = 1.0 / 64.0
 """Of a step that looks for a branch left and entered again within it, relative to the longest step."""
+BELOW = 1e-15
+"""How far below its largest deformation, relative to it, a joint is that has just turned round."""
 
 
 @compiled
@@ -81,26 +83,34 @@ def find_step(bodies, joints, functions, parameters, given, state, t, piece, lon
 
 
 @compiled
+def choose_branches_of(bodies, joint, functions, parameters, state, ahead):
+    """Take the branches of a joint anew from the state at START, looking `ahead` seconds; freeze or free its d_max."""
+    first = state.shape[1] // 2 + DOF * bodies.size
+    d, ddot = kinematics(bodies, joint, state, START)
+    a, b = first + DOF * joint.first, first + DOF * joint.second
+    for i in range(DOF):
+        second = joint.gradient[i] * state[START, a + i] + joint.gradient[DOF + i] * state[START, b + i]
+        ddot += ahead * second
+    d += ahead * ddot
+    before = joint.loading
+    if before:
+        joint.d_max = d
+    joint.loading = 1 if d >= joint.d_max and ddot > 0.0 else 0
+    joint.d_max = max(d, joint.d_max)
+    if before and not joint.loading:
+        d -= BELOW * abs(d)
+    for f in range(joint.start, joint.stop):
+        function = functions[f]
+        z, o = 0.0, function.offset
+        if function.memory >= 0:
+            z = state[START, function.memory]
+            function.memory_mode = law_mode(function.memory_number, d, ddot, joint.d_max, z, parameters, o)
+        function.mode = law_mode(function.number, d, ddot, joint.d_max, z, parameters, o)
+
+
+@compiled
 def choose_branches(bodies, joints, functions, parameters, state, ahead):
-    """Take the branches anew from the state at START, looking `ahead` seconds; freeze or free the largest deformations."""
-    n = DOF * bodies.size
-    first = state.shape[1] // 2 + n
+    """Take the branches of all joints anew from the state at START."""
     locate(bodies, state, START)
     for joint in joints:
-        d, ddot = kinematics(bodies, joint, state, START)
-        a, b = first + DOF * joint.first, first + DOF * joint.second
-        for i in range(DOF):
-            second = joint.gradient[i] * state[START, a + i] + joint.gradient[DOF + i] * state[START, b + i]
-            ddot += ahead * second
-        d += ahead * ddot
-        if joint.loading:
-            joint.d_max = d
-        joint.loading = 1 if d >= joint.d_max and ddot > 0.0 else 0
-        joint.d_max = max(d, joint.d_max)
-        for f in range(joint.start, joint.stop):
-            function = functions[f]
-            z, o = 0.0, function.offset
-            if function.memory >= 0:
-                z = state[START, function.memory]
-                function.memory_mode = law_mode(function.memory_number, d, ddot, joint.d_max, z, parameters, o)
-            function.mode = law_mode(function.number, d, ddot, joint.d_max, z, parameters, o)
+        choose_branches_of(bodies, joint, functions, parameters, state, ahead)

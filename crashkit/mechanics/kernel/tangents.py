@@ -10,6 +10,8 @@ A crossing where the force is continuous gives them no jump. Where it jumps, wit
 sides and g the guard whose zero it is, the derivatives jump by (f- - f+) tau_c, tau_c = -g_c / g' (saltation).
 """
 
+import math
+
 from crashkit.mechanics.kernel.arrays import (
     D_MAX,
     DEFORMATION,
@@ -25,7 +27,7 @@ from crashkit.mechanics.kernel.arrays import (
     TO_RATE,
 )
 from crashkit.mechanics.kernel.forces import add_given, begin_forces, kinematics, push
-from crashkit.mechanics.kernel.line import AXES, CURVED, DOF, curve, locate, rates_tangent, respond_tangent, to_rotations
+from crashkit.mechanics.kernel.line import AXES, CURVED, DOF, curve, rates_tangent, respond_tangent, to_rotations
 from crashkit.mechanics.kernel.stand_ins import compiled, law_guard, law_partials
 
 # ---- compiled from here ----
@@ -212,7 +214,6 @@ def step_tangent(
 @compiled
 def freeze_tangent(bodies, joints, state, tangent, joint_tangent):
     """While a joint is loaded further the derivatives of its largest deformation are those of its deformation."""
-    locate(bodies, state, START)
     for j in range(joints.size):
         if joints[j].loading:
             kinematics(bodies, joints[j], state, START)
@@ -222,34 +223,66 @@ def freeze_tangent(bodies, joints, state, tangent, joint_tangent):
 
 
 @compiled
-def crossing_tangent(bodies, joint, functions, parameters, state, columns, partials, tangent, own, guard):
-    """Derivatives of the time of a crossing where the force of this joint jumps, into `own[FORCE]`; whether it is one.
+def acceleration_of(bodies, joint, state):
+    """The second derivative of a joint's deformation in time, at START."""
+    n, second = DOF * bodies.size, 0.0
+    first = state.shape[1] // 2 + n
+    for i in range(2 * DOF):
+        place = DOF * joint.first + i if i < DOF else DOF * joint.second + i - DOF
+        second += joint.gradient[i] * state[START, first + place]
+        if CURVED:
+            for k in range(2 * DOF):
+                other = DOF * joint.first + k if k < DOF else DOF * joint.second + k - DOF
+                second += state[START, n + place] * joint.hessian[i, k] * state[START, n + other]
+    return second
 
-    Arguments:
-        guard: the smallest guard of the joint, that has been crossed.
+
+@compiled
+def moment_tangent(bodies, joint, function, state, columns, tangent, own, slopes):
+    """Derivatives of the time at which a guard of this joint with these slopes vanishes, into `own[FORCE]`."""
+    size, z = state.shape[1] // 2, function.memory
+    if CURVED:
+        curve(bodies, joint, state, START)
+    rate_tangent(bodies, joint, state, tangent, own, START)
+    speed = slopes[TO_D] * joint.ddot + slopes[TO_RATE] * acceleration_of(bodies, joint, state)
+    if joint.loading:
+        speed += slopes[TO_D_MAX] * joint.ddot
+    if z >= 0:
+        speed += slopes[TO_MEMORY] * state[START, size + z]
+    for c in range(tangent.shape[2]):
+        change = slopes[TO_D] * own[DEFORMATION, c] + slopes[TO_RATE] * own[RATE, c] + slopes[TO_D_MAX] * own[D_MAX, c]
+        own[FORCE, c] = change + slopes[TO_MEMORY] * tangent[START, z, c] if z >= 0 else change
+    for i in range(function.count):
+        if columns[function.offset + i] >= 0:
+            own[FORCE, columns[function.offset + i]] += slopes[TO_PARAMETERS + i]
+    for c in range(tangent.shape[2]):
+        own[FORCE, c] *= -1.0 / speed
+
+
+@compiled
+def crossing_tangent(bodies, joint, functions, parameters, state, columns, partials, tangent, own):
+    """Derivatives of the time of a crossing where the force of this joint may jump, into `own[FORCE]`; whether it is one.
+
+    A force may also jump where the joint turns round at its largest deformation: the guard is then the rate.
     """
-    n, size = DOF * bodies.size, state.shape[1] // 2
-    d_max = joint.d if joint.loading else joint.d_max
-    a, b = size + n + DOF * joint.first, size + n + DOF * joint.second
+    d, ddot = kinematics(bodies, joint, state, START)
+    d_max, turns = joint.d_max, False
+    if joint.loading:
+        d_max, turns = d, ddot < 0.0
+    deformation_tangent(joint, tangent, own, START)
     for f in range(joint.start, joint.stop):
         function, slopes = functions[f], partials[f]
-        z = state[START, function.memory] if function.memory >= 0 else 0.0
-        number, mode, o = function.number, function.mode, function.offset
-        if law_guard(number, mode, joint.d, joint.ddot, d_max, z, parameters, o, slopes) <= guard:
-            to_d = slopes[TO_D] + (slopes[TO_D_MAX] if joint.loading else 0.0)
-            speed = to_d * joint.ddot
-            for i in range(DOF):
-                second = joint.gradient[i] * state[START, a + i] + joint.gradient[DOF + i] * state[START, b + i]
-                speed += slopes[TO_RATE] * second
-            rate_tangent(bodies, joint, state, tangent, own, START)
-            for c in range(tangent.shape[2]):
-                own[FORCE, c] = to_d * own[DEFORMATION, c] + slopes[TO_RATE] * own[RATE, c]
-                if not joint.loading:
-                    own[FORCE, c] += slopes[TO_D_MAX] * own[D_MAX, c]
-            for i in range(function.count):
-                if columns[o + i] >= 0:
-                    own[FORCE, columns[o + i]] += slopes[TO_PARAMETERS + i]
-            for c in range(tangent.shape[2]):
-                own[FORCE, c] *= -1.0 / speed
+        o, z = function.offset, 0.0
+        guard = math.inf
+        if function.memory >= 0:
+            z = state[START, function.memory]
+            guard = law_guard(function.memory_number, function.memory_mode, d, ddot, d_max, z, parameters, o, slopes)
+        if guard >= 0.0:
+            guard = min(guard, law_guard(function.number, function.mode, d, ddot, d_max, z, parameters, o, slopes))
+        if guard < 0.0 or (turns and guard < math.inf):
+            if guard >= 0.0:
+                for i in range(TO_PARAMETERS + function.count):
+                    slopes[i] = 1.0 if i == TO_RATE else 0.0
+            moment_tangent(bodies, joint, function, state, columns, tangent, own, slopes)
             return True
     return False

@@ -1,58 +1,54 @@
-"""From the syntax tree of a law to its program: loops unrolled, min, max and abs made branches, single assignments."""
+"""From the syntax tree of a law to its program: loops unrolled, functions pasted, min, max and abs made branches."""
 
 import ast
+import builtins
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
+from types import FunctionType
 
-from crashkit.mechanics.laws.functions import DERIVATIVES
-from crashkit.mechanics.laws.source import LawFunction, LawSource, read_law, state_of
-from crashkit.mechanics.laws.program import Assign, Block, Branch, Program, Return, Scope, names_in, returns
+from crashkit.mechanics.laws.branches import Branches, Filler, Statements, name_of
+from crashkit.mechanics.laws.fold import folded
+from crashkit.mechanics.laws.functions import DERIVATIVES, NAMES
+from crashkit.mechanics.laws.program import Block, Program, Return, assigned_to, leaves, returns
+from crashkit.mechanics.laws.source import LawFunction, LawSource, read_function, read_law, state_of
 
 MAX_BITS = 62
-GREATER = (ast.Gt, ast.GtE)
-LESS = (ast.Lt, ast.LtE)
 OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow)
 SUBSET = "use assignments, if, min, max, abs, arithmetic, functions of math and loops over vector parameters"
 
-Statements = list[Assign | Branch | Return]
-Filler = Callable[[Statements], None]
-
 
 def lower(function: LawFunction) -> Program:
-    """The program of a law; raises CrashkitError, naming law, line and remedy, for what a law may not contain."""
+    """The program of a law; raises OutsideSubset, naming law, line and remedy, for what a law may not contain."""
     return _Lowering(read_law(function.law, function.part)).program(function)
 
 
-class _Lowering:
+class _Lowering(Branches):
     def __init__(self, source: LawSource) -> None:
-        self.source = source
-        self.scope: dict[str, ast.expr | list[ast.expr]] = {}
-        self.dynamic: set[str] = set()
-        self.variables = 0
-        self.bits = 0
+        super().__init__(source)
+        self.pasted: list[FunctionType] = []
 
     def program(self, function: LawFunction) -> Program:
         names = state_of(function.law)
         state = tuple(self.fresh(name) for name in (*names, "memory")[:4])
         self.dynamic.update(state)
-        self.scope.update(zip(names, map(_name, state), strict=False))
+        self.scope.update(zip(names, map(name_of, state), strict=False))
         lengths = function.lengths()
         parameters: list[str] = []
         for spec in function.law.parameters:
             variables = [self.fresh(spec.name) for _ in range(lengths.get(spec.name, 1))]
-            entries = [_name(variable) for variable in variables]
+            entries = [name_of(variable) for variable in variables]
             self.scope[spec.name] = list(entries) if spec.vector else entries[0]
             parameters += variables
-        block = self.block(self.source.tree.body)
-        if not returns(block):
-            self.source.refuse(self.source.tree, "a path without return", "return the force on every path")
+        block = self.body(self.source)
         if self.bits > MAX_BITS:
             self.source.refuse(self.source.tree, f"{self.bits} branches", f"at most {MAX_BITS} are possible: use fewer knots")
         return Program(state, tuple(parameters), block, self.bits)
 
-    def fresh(self, name: str) -> str:
-        self.variables += 1
-        return f"{name}_{self.variables}"
+    def body(self, source: LawSource) -> Block:
+        block = self.block(source.tree.body)
+        if not returns(block):
+            source.refuse(source.tree, "a path without return", "return a value on every path")
+        return block
 
     # statements
 
@@ -94,13 +90,7 @@ class _Lowering:
                 self.source.refuse(statement, f"`{ast.unparse(statement).splitlines()[0]}`", SUBSET)
 
     def bind(self, name: str, value: ast.expr, out: Statements) -> None:
-        if not isinstance(value, ast.Name | ast.Constant):
-            variable = self.fresh(name)
-            if self.is_dynamic(value):
-                self.dynamic.add(variable)
-            out.append(Assign(variable, value))
-            value = _name(variable)
-        self.scope[name] = value
+        self.scope[name] = self.named(value, out, name)
 
     def bind_all(self, statement: ast.stmt, names: list[ast.expr], values: list[ast.expr], out: Statements) -> None:
         for name, value in zip(names, values, strict=True):
@@ -109,102 +99,28 @@ class _Lowering:
             self.bind(name.id, value, out)
 
     def unrolled(self, loop: ast.For) -> Iterator[ast.stmt]:
-        match loop:
-            case ast.For(target=ast.Name() as index, iter=ast.Call(func=ast.Name(id="range"), args=limits), orelse=[]):
-                for i in range(*(self.integer(limit) for limit in limits)):
-                    yield from [_assign(index, ast.Constant(i), loop), *loop.body]
-            case ast.For(
-                target=ast.Tuple(elts=[ast.Name() as index, ast.Name() as entry]),
-                iter=ast.Call(func=ast.Name(id="enumerate"), args=[ast.Name() as vector]),
-                orelse=[],
-            ):
+        for values in self.rounds(loop):
+            targets = loop.target.elts if isinstance(loop.target, ast.Tuple) else [loop.target]
+            for target, value in zip(targets, values, strict=True):
+                yield ast.copy_location(ast.Assign([target], ast.copy_location(value, loop)), loop)
+            yield from loop.body
+
+    def rounds(self, loop: ast.For) -> Iterator[list[ast.expr]]:
+        """What the targets of a loop are in each of its rounds."""
+        match loop.iter, loop.target:
+            case ast.Call(func=ast.Name(id="range"), args=limits), ast.Name():
+                yield from ([ast.Constant(i)] for i in range(*(self.integer(limit) for limit in limits)))
+            case ast.Name() as vector, ast.Name():
+                yield from ([ast.Subscript(vector, ast.Constant(i))] for i in range(self.length(vector)))
+            case ast.Call(func=ast.Name(id="enumerate"), args=[vector]), ast.Tuple(elts=[_, _]):
                 for i in range(self.length(vector)):
-                    value = ast.Subscript(vector, ast.Constant(i))
-                    yield from [_assign(index, ast.Constant(i), loop), _assign(entry, value, loop), *loop.body]
+                    yield [ast.Constant(i), ast.Subscript(vector, ast.Constant(i))]
+            case ast.Call(func=ast.Name(id="zip"), args=vectors), ast.Tuple(elts=targets) if len(vectors) == len(targets):
+                for i in range(min(map(self.length, vectors))):
+                    yield [ast.Subscript(vector, ast.Constant(i)) for vector in vectors]
             case _:
-                self.source.refuse(
-                    loop,
-                    f"`for {ast.unparse(loop.target)} in {ast.unparse(loop.iter)}`",
-                    "loop over range(...) or enumerate(vector)",
-                )
-
-    # branches
-
-    def fork(self, test: ast.expr, body: Filler, orelse: Filler, out: Statements) -> None:
-        """Append the branch of a test: `and`, `or`, `not` and chains become branches within branches."""
-        match test:
-            case ast.BoolOp(op=ast.And(), values=[first, *others]) if others:
-                rest = others[0] if len(others) == 1 else ast.BoolOp(ast.And(), others)
-                self.fork(first, lambda inner: self.fork(rest, body, orelse, inner), orelse, out)
-            case ast.BoolOp(op=ast.Or(), values=[first, *others]) if others:
-                rest = others[0] if len(others) == 1 else ast.BoolOp(ast.Or(), others)
-                self.fork(first, body, lambda inner: self.fork(rest, body, orelse, inner), out)
-            case ast.UnaryOp(op=ast.Not(), operand=operand):
-                self.fork(operand, orelse, body, out)
-            case ast.Compare(left=left, ops=[op, *ops], comparators=[right, *comparators]) if ops:
-                first, rest = ast.Compare(left, [op], [right]), ast.Compare(right, ops, comparators)
-                both = ast.BoolOp(ast.And(), [ast.copy_location(first, test), ast.copy_location(rest, test)])
-                self.fork(both, body, orelse, out)
-            case ast.Compare(left=left, ops=[op], comparators=[right]):
-                self.compare(test, self.expression(left, out), op, self.expression(right, out), body, orelse, out)
-            case _:
-                self.compare(test, self.expression(test, out), ast.NotEq(), ast.Constant(0.0), body, orelse, out)
-
-    def compare(
-        self, node: ast.AST, left: ast.expr, op: ast.cmpop, right: ast.expr, body: Filler, orelse: Filler, out: Statements
-    ) -> None:
-        test = ast.Compare(left, [op], [right])
-        if isinstance(left, ast.Constant) and isinstance(right, ast.Constant):
-            (body if _evaluate(test) else orelse)(out)
-            return
-        guard, bit = None, None
-        if self.is_dynamic(left) or self.is_dynamic(right):
-            guard, bit = self.guard(node, left, op, right), self.bits
-            self.bits += 1
-        before = dict(self.scope)
-        taken = self.side(body, before)
-        other = self.side(orelse, before)
-        self.merge(before, taken, other, dynamic=bit is not None)
-        out.append(Branch(test, guard, bit, tuple(taken[0]), tuple(other[0])))
-
-    def guard(self, node: ast.AST, left: ast.expr, op: ast.cmpop, right: ast.expr) -> ast.expr:
-        if isinstance(op, GREATER):
-            return ast.BinOp(left, ast.Sub(), right)
-        if isinstance(op, LESS):
-            return ast.BinOp(right, ast.Sub(), left)
-        self.source.refuse(node, "a state compared for equality", "compare with <, <=, > or >=")
-
-    def side(self, fill: Filler, before: Scope) -> tuple[Statements, dict[str, ast.expr | list[ast.expr]]]:
-        out: Statements = []
-        self.scope = dict(before)
-        fill(out)
-        return out, self.scope
-
-    def merge(
-        self,
-        before: Scope,
-        taken: tuple[Statements, dict[str, ast.expr | list[ast.expr]]],
-        other: tuple[Statements, dict[str, ast.expr | list[ast.expr]]],
-        dynamic: bool,
-    ) -> None:
-        """Give each name that the two sides leave with different values one variable that both assign."""
-        self.scope = dict(before)
-        sides = [side for side in (taken, other) if not returns(tuple(side[0]))]
-        if len(sides) == 1:
-            self.scope = sides[0][1]
-        if len(sides) < 2:
-            return
-        for name in (name for name in taken[1] if name in other[1]):
-            first, second = taken[1][name], other[1][name]
-            if isinstance(first, list) or isinstance(second, list) or ast.dump(first) == ast.dump(second):
-                self.scope[name] = first
-                continue
-            variable = self.fresh(name)
-            if dynamic or self.is_dynamic(first) or self.is_dynamic(second):
-                self.dynamic.add(variable)
-            taken[0].append(Assign(variable, first))
-            other[0].append(Assign(variable, second))
-            self.scope[name] = _name(variable)
+                found = f"`for {ast.unparse(loop.target)} in {ast.unparse(loop.iter)}`"
+                self.source.refuse(loop, found, "loop over a vector, range(...), enumerate(vector) or zip(vector, vector)")
 
     # expressions
 
@@ -220,13 +136,16 @@ class _Lowering:
             case ast.Attribute(value=ast.Name(id=module), attr=name) if self.source.constants.get(module) is math:
                 return ast.Constant(self.number(node, getattr(math, name, None)))
             case ast.UnaryOp(op=ast.USub() | ast.UAdd() as sign, operand=operand):
-                return _fold(ast.UnaryOp(sign, self.expression(operand, out)))
+                return folded(ast.UnaryOp(sign, self.expression(operand, out)))
             case ast.BinOp(left=left, op=op, right=right) if isinstance(op, OPERATORS):
-                return _fold(ast.BinOp(self.expression(left, out), op, self.expression(right, out)))
+                values = self.expression(left, out), self.expression(right, out)
+                if not isinstance(op, ast.Add | ast.Sub):
+                    values = self.named(values[0], out), self.named(values[1], out)
+                return folded(ast.BinOp(values[0], op, values[1]))
             case ast.IfExp(test=test, body=body, orelse=orelse):
                 return self.choose(test, body, orelse, out)
             case ast.Call(func=function, args=arguments, keywords=[]):
-                return self.call(node, ast.unparse(function), arguments, out)
+                return self.call(node, self.called(function), arguments, out)
             case _:
                 self.source.refuse(node, f"`{ast.unparse(node)}`", SUBSET)
 
@@ -264,76 +183,61 @@ class _Lowering:
             self.source.refuse(node, f"the index `{ast.unparse(node)}`", "use whole numbers that do not depend on the state")
         return int(number)
 
-    def choose(self, test: ast.expr, body: ast.expr, orelse: ast.expr, out: Statements) -> ast.expr:
-        name = self.fresh("choice")
+    # calls
 
-        def side(value: ast.expr) -> Filler:
-            return lambda inner: self.bind(name, self.expression(value, inner), inner)
+    def called(self, function: ast.expr) -> object:
+        """The object that is called, or None."""
+        match function:
+            case ast.Name(id=name):
+                return self.source.constants.get(name, getattr(builtins, name, None))
+            case ast.Attribute(value=ast.Name(id=module), attr=name):
+                return getattr(self.source.constants.get(module), name, None)
+        return None
 
-        self.fork(test, side(body), side(orelse), out)
-        chosen = self.scope.pop(name)
-        assert not isinstance(chosen, list)
-        return chosen
-
-    def call(self, node: ast.expr, function: str, arguments: list[ast.expr], out: Statements) -> ast.expr:
-        if function in ("min", "max") and len(arguments) >= 2:
-            return self.extreme(function, [self.expression(argument, out) for argument in arguments], node, out)
-        if function == "len" and len(arguments) == 1:
+    def call(self, node: ast.Call, function: object, arguments: list[ast.expr], out: Statements) -> ast.expr:
+        if isinstance(function, FunctionType):
+            return self.paste(node, function, arguments, out)
+        name = NAMES.get(function) if callable(function) else None
+        if name == "len" and len(arguments) == 1:
             return ast.Constant(float(self.length(arguments[0])))
         values = [self.expression(argument, out) for argument in arguments]
-        if function == "float" and len(values) == 1:
+        if name in ("min", "max") and len(values) >= 2:
+            return self.extreme(name, values, node, out)
+        if name == "float" and len(values) == 1:
             return values[0]
-        if function in ("abs", "math.fabs") and len(values) == 1:
-            negative = _fold(ast.UnaryOp(ast.USub(), values[0]))
-            return self.select(values[0], ast.GtE(), ast.Constant(0.0), (values[0], negative), node, out)
-        name = function.removeprefix("math.")
+        if name == "abs" and len(values) == 1:
+            value = self.named(values[0], out)
+            negative = folded(ast.UnaryOp(ast.USub(), value))
+            return self.select(value, ast.GtE(), ast.Constant(0.0), (value, negative), node, out)
         if name not in DERIVATIVES or len(values) != 1:
             self.source.refuse(node, f"`{ast.unparse(node)}`", f"{SUBSET}; of math: {', '.join(sorted(DERIVATIVES))}")
-        return _fold(ast.Call(ast.Attribute(ast.Name("math", ast.Load()), name), values, []))
+        argument = self.named(values[0], out)
+        return self.named(folded(ast.Call(ast.Attribute(name_of("math"), name), [argument], [])), out)
 
-    def extreme(self, function: str, values: list[ast.expr], node: ast.expr, out: Statements) -> ast.expr:
-        best, *others = values
-        op = ast.GtE() if function == "max" else ast.LtE()
-        for value in others:
-            best = self.select(best, op, value, (best, value), node, out)
-        return best
+    def paste(self, node: ast.Call, function: FunctionType, arguments: list[ast.expr], out: Statements) -> ast.expr:
+        """The value of a function of the author's own, whose statements go to `out`."""
+        if function in self.pasted:
+            self.source.refuse(node, f"`{ast.unparse(node)}`, a function that calls itself", SUBSET)
+        source = read_function(self.source.name, function.__name__, function)
+        if len(source.arguments) != len(arguments):
+            self.source.refuse(node, f"`{ast.unparse(node)}`", f"expected {', '.join(source.arguments)} as its arguments")
+        values = [self.argument(argument, out) for argument in arguments]
+        caller = self.source, self.scope
+        self.source, self.scope = source, dict(zip(source.arguments, values, strict=True))
+        self.pasted.append(function)
+        bits, block = self.bits, self.body(source)
+        self.pasted.pop()
+        self.source, self.scope = caller
+        result = self.fresh(function.__name__)
+        if self.bits > bits or any(self.is_dynamic(leaf.value) for leaf in leaves(block)):
+            self.dynamic.add(result)
+        out += assigned_to(result, block)
+        return name_of(result)
 
-    def select(
-        self, left: ast.expr, op: ast.cmpop, right: ast.expr, sides: tuple[ast.expr, ast.expr], node: ast.expr, out: Statements
-    ) -> ast.expr:
-        name = self.fresh("choice")
-        bind = [lambda inner, value=value: self.bind(name, value, inner) for value in sides]
-        self.compare(node, left, op, right, bind[0], bind[1], out)
-        chosen = self.scope.pop(name)
-        assert not isinstance(chosen, list)
-        return chosen
-
-    def is_dynamic(self, expression: ast.expr) -> bool:
-        return not self.dynamic.isdisjoint(names_in(expression))
-
-
-def _name(variable: str) -> ast.expr:
-    return ast.Name(variable, ast.Load())
-
-
-def _assign(target: ast.Name, value: ast.expr, node: ast.AST) -> ast.stmt:
-    return ast.copy_location(ast.Assign([target], ast.copy_location(value, node)), node)
+    def argument(self, node: ast.expr, out: Statements) -> ast.expr | list[ast.expr]:
+        vector = self.scope.get(node.id) if isinstance(node, ast.Name) else None
+        return vector if isinstance(vector, list) else self.named(self.expression(node, out), out)
 
 
 def _has_return(statement: ast.stmt) -> bool:
     return any(isinstance(node, ast.Return) for node in ast.walk(statement))
-
-
-def _evaluate(expression: ast.expr) -> float:
-    code = compile(ast.fix_missing_locations(ast.Expression(expression)), "<constant>", "eval")
-    return float(eval(code, {"math": math}))
-
-
-def _fold(expression: ast.expr) -> ast.expr:
-    """The value of an expression of constants, else the expression."""
-    if names_in(expression) - {"math"}:
-        return expression
-    try:
-        return ast.Constant(_evaluate(expression))
-    except (ArithmeticError, ValueError):
-        return expression

@@ -1,7 +1,7 @@
 """A law as a short program that every emitter reads: single assignments, branches of one comparison, returns."""
 
 import ast
-from collections.abc import Mapping
+from collections.abc import Iterator
 from typing import TypeAlias
 
 from attrs import frozen
@@ -60,6 +60,10 @@ class Program:
     bits: int
 
 
+Scope: TypeAlias = dict[str, ast.expr | list[ast.expr]]
+"""What each name of the law's source stands for at one point: a variable, a constant, or a vector of variables."""
+
+
 def names_in(expression: ast.expr) -> set[str]:
     """The variables of an expression."""
     return {node.id for node in ast.walk(expression) if isinstance(node, ast.Name)}
@@ -73,5 +77,51 @@ def returns(block: Block) -> bool:
     return isinstance(last, Return) or (isinstance(last, Branch) and returns(last.body) and returns(last.orelse))
 
 
-Scope: TypeAlias = Mapping[str, ast.expr | list[ast.expr]]
-"""What each name of the law's source stands for at one point: a variable, a constant, or a vector of variables."""
+def leaves(block: Block) -> Iterator[Return]:
+    """The returns of a block."""
+    for statement in block:
+        if isinstance(statement, Return):
+            yield statement
+        elif isinstance(statement, Branch):
+            yield from leaves(statement.body)
+            yield from leaves(statement.orelse)
+
+
+def assigned_to(variable: str, block: Block) -> Block:
+    """The block with each return made an assignment."""
+    return tuple(_assigned(variable, statement) for statement in block)
+
+
+def _assigned(variable: str, statement: Assign | Branch | Return) -> Assign | Branch:
+    if isinstance(statement, Return):
+        return Assign(variable, statement.value)
+    if isinstance(statement, Branch):
+        body, orelse = assigned_to(variable, statement.body), assigned_to(variable, statement.orelse)
+        return Branch(statement.test, statement.guard, statement.bit, body, orelse)
+    return statement
+
+
+def assigned_in(block: Block) -> Iterator[str]:
+    """The variables that a block assigns."""
+    for statement in block:
+        if isinstance(statement, Assign):
+            yield statement.target
+        elif isinstance(statement, Branch):
+            yield from assigned_in(statement.body)
+            yield from assigned_in(statement.orelse)
+
+
+def tests_of(block: Block, wanted: frozenset[str] = frozenset()) -> tuple[Block, frozenset[str]]:
+    """What of a block decides which branches are taken, or gives the variables wanted; with the variables that it reads."""
+    kept: list[Assign | Branch | Return] = []
+    for statement in reversed(block):
+        if isinstance(statement, Assign) and statement.target in wanted:
+            wanted |= names_in(statement.value)
+            kept.append(statement)
+        elif isinstance(statement, Branch):
+            body, first = tests_of(statement.body, wanted)
+            orelse, second = tests_of(statement.orelse, wanted)
+            if body or orelse or statement.bit is not None:
+                wanted = first | second | names_in(statement.test)
+                kept.append(Branch(statement.test, statement.guard, statement.bit, body, orelse))
+    return tuple(reversed(kept)), wanted

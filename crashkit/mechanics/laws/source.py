@@ -1,10 +1,11 @@
-"""A spring law's source: one pure scalar function, read as a syntax tree."""
+"""The source of a spring law: one pure scalar function, and the functions that it calls, as syntax trees."""
 
 import ast
 import inspect
 import textwrap
-from collections.abc import Mapping
-from typing import NoReturn
+from collections import ChainMap
+from collections.abc import Callable, Mapping
+from typing import Any, NoReturn
 
 from attrs import frozen
 
@@ -13,6 +14,10 @@ from crashkit.protocols import SpringLaw
 
 STATE = ("d", "ddot", "d_max")
 """The first three arguments of every law; one with memory has its memory as the fourth."""
+
+
+class OutsideSubset(CrashkitError):
+    """Something that cannot be derived from a law's source."""
 
 
 @frozen
@@ -42,18 +47,30 @@ class LawFunction:
 
 @frozen
 class LawSource:
-    """The parsed function of a law, and what is needed to say where something in it is wrong."""
+    """A parsed function of a law, and what is needed to say where something in it is wrong.
+
+    Arguments:
+        name: of the law.
+        file, first_line: where the function stands.
+        tree: of the function.
+        constants: the names that its module holds.
+    """
 
     name: str
     file: str
     first_line: int
     tree: ast.FunctionDef
-    constants: Mapping[str, object]
+    constants: Mapping[str, Any]
+
+    @property
+    def arguments(self) -> list[str]:
+        """The names of the function's arguments."""
+        return [argument.arg for argument in self.tree.args.args]
 
     def refuse(self, node: ast.AST | None, found: str, remedy: str) -> NoReturn:
         """Raise the error that names the law, the line and the remedy."""
         line = self.first_line + getattr(node, "lineno", 1) - 1
-        raise CrashkitError(f"spring law {self.name} ({self.file}:{line}): found {found}; {remedy}")
+        raise OutsideSubset(f"spring law {self.name} ({self.file}:{line}): found {found}; {remedy}")
 
 
 def state_of(law: type[SpringLaw]) -> tuple[str, ...]:
@@ -61,22 +78,41 @@ def state_of(law: type[SpringLaw]) -> tuple[str, ...]:
     return (*STATE, law.memory) if law.memory else STATE
 
 
-def read_law(law: type[SpringLaw], part: str = "force") -> LawSource:
-    """The source of a law; raises CrashkitError where it cannot be read or its arguments are not the declared ones."""
-    function = getattr(law, part)
+def read_law(
+    law: type[SpringLaw], part: str = "force", before: tuple[str, ...] = (), after: tuple[str, ...] = ()
+) -> LawSource:
+    """The source of a function of a law.
+
+    Arguments:
+        law: the plugin's class.
+        part: the name of the function.
+        before, after: its arguments beside those of `force`.
+
+    Raises:
+        CrashkitError: its arguments are not the declared ones.
+        OutsideSubset: it cannot be read.
+    """
+    source = read_function(law.name, part, getattr(law, part))
+    expected = [*before, *state_of(law), *(spec.name for spec in law.parameters), *after]
+    if source.arguments != expected:
+        raise CrashkitError(
+            f"spring law {law.name} ({source.file}:{source.first_line}): "
+            f"expected {part} to take {', '.join(expected)}, found {', '.join(source.arguments)}"
+        )
+    return source
+
+
+def read_function(law: str, part: str, function: Callable[..., Any]) -> LawSource:
+    """The source of a function that is, or is called by, the part of a law; raises OutsideSubset where it has none."""
     try:
         lines, first_line = inspect.getsourcelines(function)
         file = inspect.getsourcefile(function) or "?"
         tree = ast.parse(textwrap.dedent("".join(lines))).body[0]
     except (OSError, TypeError, SyntaxError) as error:
-        raise CrashkitError(
-            f"spring law {law.name}: its {part} has no source that can be read ({error}); define it with def, in a file"
+        raise OutsideSubset(
+            f"spring law {law}: its {part} has no source that can be read ({error}); define it with def, in a file"
         ) from error
     if not isinstance(tree, ast.FunctionDef):
-        raise CrashkitError(f"spring law {law.name} ({file}:{first_line}): expected {part} to be a function defined with def")
-    source = LawSource(law.name, file, first_line, tree, function.__globals__)
-    expected = [*state_of(law), *(spec.name for spec in law.parameters)]
-    found = [argument.arg for argument in tree.args.args]
-    if found != expected:
-        source.refuse(tree, f"arguments {', '.join(found)}", f"expected {', '.join(expected)}")
-    return source
+        raise OutsideSubset(f"spring law {law} ({file}:{first_line}): expected {part} to be a function defined with def")
+    enclosing = inspect.getclosurevars(function).nonlocals
+    return LawSource(law, file, first_line, tree, ChainMap(dict(enclosing), function.__globals__))

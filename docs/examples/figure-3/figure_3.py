@@ -53,7 +53,7 @@ def draw_curves(path: Path) -> None:
             panel.plot(MILLISECONDS * values["time"], values.sel(body=body), style, label=body)
         panel.set_ylabel(label)
         panel.grid(alpha=0.3)
-    panels[0].legend(loc="lower right")
+    panels[0].legend(loc="upper left")
     panels[-1].set_xlabel("time (ms)")
     figure.savefig(path, dpi=110)
 

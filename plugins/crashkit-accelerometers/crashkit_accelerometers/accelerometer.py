@@ -24,8 +24,8 @@ from crashkit_accelerometers.sensor_channel import (
 class Accelerometer(Observer):
     """A sensor at the point p of a body feels a + alpha x R p + omega x (omega x R p), and records it with its own errors.
 
-    `frame` = "body": its axes turn with the body; "laboratory": they do not. Where a body does not turn, every point of it has its
-    acceleration.
+    `frame` = "body": its axes turn with the body; "laboratory": they do not. Where a body does not turn, every point of it has
+    its acceleration.
     """
 
     name = "accelerometer"
@@ -63,8 +63,8 @@ class Accelerometer(Observer):
         """What the sensors tell of the motion without knowing how it began.
 
         Returns:
-            On a line `acceleration` (time, body, axis), the mean of each body's sensors, and `acceleration_std` (body) where it is
-            stated; else what `rigid_body_motion` returns, for bodies whose axes are at first those of the laboratory.
+            On a line `acceleration` (time, body, axis), the mean of each body's sensors, and `acceleration_std` (body) where
+            it is stated; else what `rigid_body_motion` returns, for bodies whose axes are at first those of the laboratory.
 
         Raises CrashkitError where no body has enough sensors, saying what is missing.
         """

@@ -16,8 +16,8 @@ CONVERGED = 1e-6
 class AngularMotion:
     """Angular velocity and acceleration in the body's axes, as the most likely path given every reading.
 
-    Each sample tells the angular acceleration, alpha = M^-1 (sum d x f / std^2 - omega x M omega), which integrates to omega, and
-    by its redundant combinations the centripetal terms, which see omega itself: a path is sought that fits both.
+    Each sample tells the angular acceleration, alpha = M^-1 (sum d x f / std^2 - omega x M omega), which integrates to omega,
+    and by its redundant combinations the centripetal terms, which see omega itself: a path is sought that fits both.
 
     Arguments:
         array: which must see the rotation.

@@ -9,23 +9,30 @@ CLOCK = ("clock_offset", "clock_rate")
 """What all channels of an instrument share."""
 
 
+UNITS = {"m s-2": ("m s-3", "s2 m-1", "s4 m-2"), "N": ("N s-1", "N-1", "N-2")}
+"""Of a rate, and of the reciprocal and its square, by the unit itself."""
+
+
 def channel_errors(unit: str, full_scale: float) -> tuple[ParameterSpec, ...]:
     """The error parameters of a channel.
 
     Arguments:
-        unit: of the recorded values.
+        unit: of the recorded values, one of UNITS.
         full_scale: about the largest value that such sensors record, for the bounds.
     """
+    rate, reciprocal, square = UNITS[unit]
     return (
         ParameterSpec("gain", "1", "recorded per true", 0.2, 5.0, default=1.0, null=1.0),
         ParameterSpec("bias", unit, "offset of the recorded values", default=0.0, null=0.0),
-        ParameterSpec("bias_drift", f"{unit} s-1", "change of the offset with time, 0 at t = 0", default=0.0, null=0.0),
+        ParameterSpec("bias_drift", rate, "change of the offset with time, 0 at t = 0", default=0.0, null=0.0),
         *(_around_null(f"tilt_{axis}", "rad", f"rotation of the sensing axes about {axis}", 0.5) for axis in AXES),
         *(_around_null(f"transverse_{axis}", "1", f"share of {axis} in channels across it", 0.5) for axis in AXES),
-        _around_null("quadratic", f"({unit})-1", "quadratic term of the linearity", 1.0 / full_scale),
-        _around_null("cubic", f"({unit})-2", "cubic term of the linearity", 1.0 / full_scale**2),
+        _around_null("quadratic", reciprocal, "quadratic term of the linearity", 1.0 / full_scale),
+        _around_null("cubic", square, "cubic term of the linearity", 1.0 / full_scale**2),
         _around_null("hysteresis", unit, "half the distance of the falling and the rising branch", 0.1 * full_scale),
-        _shape("hysteresis_travel", unit, "way from one branch to the other", 1e-3 * full_scale, full_scale, 0.05 * full_scale),
+        _shape(
+            "hysteresis_travel", unit, "way from one branch to the other", 1e-3 * full_scale, full_scale, 0.05 * full_scale
+        ),
         ParameterSpec("saturation", unit, "size beyond which readings clip", 0.0, default=math.inf, null=math.inf),
         _around_null("resonance_share", "1", "how much of the reading comes through a ringing mount", 1.0),
         _shape("resonance_frequency", "s-1", "natural frequency of the mount", 10.0, 2e4, 500.0),

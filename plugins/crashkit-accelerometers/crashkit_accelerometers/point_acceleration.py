@@ -25,8 +25,8 @@ def felt_by_points(motion: xr.Dataset, bodies: np.ndarray, points: np.ndarray, b
     Equations (16) and (17) of Mizzi & Jezequel, JSV 159 (1992) 57.
     """
     rotation = matrices(_values(motion, "orientation"))
-    vectors = [_values(motion, name) for name in VECTORS]
-    values, by_point, by_motion = _felt(rotation, *vectors, bodies, points, body_frame)
+    a, alpha, omega = (_values(motion, name) for name in VECTORS)
+    values, by_point, by_motion = _felt(rotation, a, alpha, omega, bodies, points, body_frame)
     sensitivity = None
     if "acceleration_sensitivity" in motion.variables:
         changes = [_values(motion, f"{name}_sensitivity") for name in (*VECTORS, "rotation")]
@@ -43,12 +43,19 @@ def _values(motion: xr.Dataset, name: str) -> np.ndarray:
 
 @njit(cache=True)
 def _felt(
-    rotation: np.ndarray, a: np.ndarray, alpha: np.ndarray, omega: np.ndarray, bodies: np.ndarray, points: np.ndarray, own: bool
+    rotation: np.ndarray,
+    a: np.ndarray,
+    alpha: np.ndarray,
+    omega: np.ndarray,
+    bodies: np.ndarray,
+    points: np.ndarray,
+    own: bool,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # pragma: no cover
     """What is felt (node, sensor, 3), and how it changes with the point (..., 3) and with VECTORS and a small turn (..., 12).
 
-    Along a direction e a point feels e a_p. With g = e x alpha + omega x (omega x e) the changes are, of a, e; of alpha, r x e; of
-    omega, (omega x r) x e + r x (e x omega); of p, R' g; of a small turn, r x g, less a_p x e where e turns too.
+    Along a direction e a point feels e a_p. With g = e x alpha + omega x (omega x e) this changes with a by e, with alpha by
+    r x e, with omega by (omega x r) x e + r x (e x omega), with p by R' g, and with a small turn by r x g, and by e x a_p more
+    where e turns too.
     """
     count = len(rotation), len(bodies), 3
     values, by_point, by_motion = np.empty(count), np.empty((*count, 3)), np.empty((*count, 12))

@@ -23,8 +23,8 @@ def recorded(
     Arguments:
         observer: with the dims (time, sensor, axis).
         motion: to be recorded.
-        instrument: a group that says where the sensors are and when they read; its `<quantity>_std`, if any, is that of the noise
-            as recorded, after the filter.
+        instrument: a group that says where the sensors are and when they read; its `<quantity>_std`, if any, is that of the
+            noise as recorded, after the filter.
         errors: of the sensors.
         resolution: the smallest difference between two readings. It is no parameter to identify, as a reading does not
             change with it smoothly; its variance, resolution^2 / 12, is added to `<quantity>_std`.

@@ -39,17 +39,17 @@ def rigid_body_motion(instrument: xr.Dataset, initial: xr.Dataset | None = None,
 
     Arguments:
         instrument: an accelerometer group.
-        initial: `position` and `velocity` (body, axis) at t = 0, and, where they are not 0, `angular_velocity` (body, axis) and
-            `orientation` (body, quaternion); before the first sample the motion is uniform.
-        turning: False: take the bodies not to turn, whatever their sensors say. Sensors with the axes of the laboratory tell no
-            rotation; about the centre of mass they tell its acceleration all the same.
+        initial: `position` and `velocity` (body, axis) at t = 0, and, where they are not 0, `angular_velocity` (body, axis)
+            and `orientation` (body, quaternion); before the first sample the motion is uniform.
+        turning: False: take the bodies not to turn, whatever their sensors say. Sensors with the axes of the laboratory tell
+            no rotation; about the centre of mass they tell its acceleration all the same.
 
     Returns:
         A motion (time, body, axis): acceleration, with `initial` also velocity and position, and where bodies turn
-        angular_velocity, angular_acceleration and orientation. Each has its standard deviation `<name>_std` (time, body, axis), that
-        of the orientation as a small rotation vector in the laboratory frame, rad. NaN where a sample is missing.
-        `disagreement` (body): the size of what the redundant readings say against a rigid body, over the noise that was stated;
-        about 1 where there is nothing but noise. The attribute `unknown` has a sentence for each body that is left out.
+        angular_velocity, angular_acceleration and orientation. Each has its standard deviation `<name>_std` (time, body,
+        axis), that of the orientation as a small rotation vector in the laboratory frame, rad. NaN where a sample is missing.
+        `disagreement` (body): the size of what the redundant readings say against a rigid body, over the noise that was
+        stated; about 1 where there is nothing but noise. The attribute `unknown` has a sentence for each body left out.
 
     Raises CrashkitError where no body's motion can be known, saying what is missing.
     """
@@ -84,10 +84,10 @@ class _Start:
 
 def _body_motion(array: SensorArray, instrument: xr.Dataset, initial: xr.Dataset | None) -> xr.Dataset:
     times = instrument["time"].values.astype(float)
-    readings, missing = _readings(array, instrument, times)
     start = _start(array, initial, times[0])
     if instrument.attrs.get("frame") != "body":
         start = evolve(start, orientation=UPRIGHT)
+    readings, missing = _readings(array, instrument, times)
     cfc = int(instrument.attrs.get("channel_frequency_class", 0))
     correlation = correlation_samples(cfc, float(np.median(np.diff(times))))
     angular = AngularMotion(array, times, readings, correlation, start.omega)
@@ -119,7 +119,9 @@ def _readings(array: SensorArray, instrument: xr.Dataset, times: np.ndarray) -> 
     present = np.flatnonzero(~missing)
     longest = int(np.diff(present, prepend=-1, append=len(times)).max()) - 1
     if longest > max(1, LONGEST_GAP * len(times)):
-        raise CrashkitError(f"accelerometer: {array.body}: expected gaps of at most 2 % of the record, found {longest} samples")
+        raise CrashkitError(
+            f"accelerometer: {array.body}: expected gaps of at most 2 % of the record, found {longest} samples"
+        )
     readings = np.zeros((*samples.shape[:2], 3))
     readings[..., list(array.recorded)] = CubicSpline(times[present], samples[present])(times) if missing.any() else samples
     return readings, missing

@@ -55,7 +55,7 @@ class SensorArray:
 
     @property
     def design(self) -> np.ndarray:
-        """The readings, over their standard deviations, of unit accelerations and angular accelerations, (reading, unknown)."""
+        """Readings, over their standard deviations, of unit accelerations and angular accelerations, (reading, unknown)."""
         pushes = np.broadcast_to(np.eye(3)[:, list(self.recorded)], (len(self.sensors), 3, len(self.recorded)))
         turns = -cross_matrix(self.arms) @ self.rotations.T
         both = np.concatenate([pushes, turns], axis=-1)[:, list(self.recorded)] / self.std[:, None, None]
@@ -63,19 +63,19 @@ class SensorArray:
 
     @property
     def second_moment(self) -> np.ndarray:
-        """M = sum (|d|^2 - d d') / std^2, the inertia that the array would have: M alpha = sum d x f / std^2 - omega x M omega."""
+        """M = sum (|d|^2 - d d') / std^2, an inertia of the array: M alpha = sum d x f / std^2 - omega x M omega."""
         arms = self.arms / self.std[:, None]
         return np.asarray(np.sum(arms**2) * np.eye(3) - arms.T @ arms)
 
     @property
     def angular_covariance(self) -> np.ndarray:
-        """Of the angular acceleration that one sample tells, rad2 s-4, (3, 3); 0 about axes that the body cannot turn about."""
+        """Of the angular acceleration that one sample tells, rad2 s-4, (3, 3); 0 about axes that no body turns about."""
         turns = self.rotations
         return turns.T @ np.linalg.inv(turns @ self.second_moment @ turns.T) @ turns
 
     @property
     def redundant(self) -> np.ndarray:
-        """Combinations of the weighted readings that neither acceleration nor angular acceleration moves, (combination, reading)."""
+        """Combinations of weighted readings that no acceleration or angular acceleration changes, (combination, reading)."""
         design = self.design
         return np.linalg.svd(design)[0][:, np.linalg.matrix_rank(design, BLIND) :].T
 

@@ -8,7 +8,7 @@ from numba import njit
 def smoothed(
     transition: np.ndarray, noise: np.ndarray, push: np.ndarray, seen: np.ndarray, readings: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:  # pragma: no cover
-    """The state x_(k+1) = transition_k x_k + push_k + noise, x_0 = 0, seen as readings_k = seen_k x_k + white noise of variance 1.
+    """The state x_(k+1) = transition_k x_k + push_k + noise_k, x_0 = 0, given readings_k = seen_k x_k + noise of variance 1.
 
     Arguments:
         transition, noise: (time - 1, state, state), noise as covariance.

@@ -80,6 +80,37 @@ class TestLoadCellContract(ObserverContract):
         return load_cell_at(np.arange(1101) * 1e-4)
 
 
+class TestLoadCellInSpaceContract(ObserverContract):
+    """The force on a wall along all axes of the laboratory."""
+
+    @pytest.fixture
+    def observer(self) -> LoadCell:
+        return LoadCell()
+
+    @pytest.fixture
+    def motion(self) -> xr.Dataset:
+        times = np.arange(1201) * 1e-4
+        force = np.stack([9e4 * np.sin(25 * times), 2e4 * np.sin(60 * times), -5e3 * np.sin(90 * times)], axis=1)
+        variables = {"contact_force": (("time", "body", "axis"), force[:, None])}
+        return xr.Dataset(variables, {"time": times, "body": ["wall"], "axis": ["x", "y", "z"]})
+
+    @pytest.fixture
+    def instrument(self) -> xr.Dataset:
+        times = np.arange(1101) * 1e-4
+        variables = {"force": (DIMS, np.zeros((1101, 1, 3)), {"units": "N"}), "sensor_body": ("sensor", ["wall"])}
+        coordinates = {"time": times, "sensor": ["cell"], "axis": ["x", "y", "z"]}
+        return xr.Dataset(variables, coordinates, {"observer": "load_cell", "channel_frequency_class": 0})
+
+
+def test_a_load_cell_picks_up_what_pushes_across(motion: xr.Dataset) -> None:
+    times = np.array([0.01, 0.03])
+    across = motion["contact_force"].assign_coords(axis=["y"]) * 0.5
+    both = motion.drop_vars("acceleration").assign(contact_force=xr.concat([motion["contact_force"], across], "axis"))
+    found = LoadCell().predict(both, load_cell_at(times), {"cell_0": {"transverse_y": 0.02}})["force"]
+    straight = LoadCell().predict(motion, load_cell_at(times))["force"]
+    np.testing.assert_allclose(found, 1.01 * straight)
+
+
 def test_each_sensor_shows_its_own_body(motion: xr.Dataset) -> None:
     times = np.array([0.01, 0.02, 0.05])
     predicted = Accelerometer().predict(motion, accelerometer_at(times))["acceleration"]

@@ -21,13 +21,14 @@ class Control:
         points: (point, 3), m.
         std: (point,), m, standard deviation of the survey, 0 where it is exact.
         image: (view, point, 2), pixel, NaN where hidden.
-        views: names.
+        views, names: of the views and of the points.
     """
 
     points: np.ndarray
     std: np.ndarray
     image: np.ndarray
     views: tuple[str, ...]
+    names: tuple[str, ...]
 
     @property
     def seen(self) -> np.ndarray:
@@ -36,7 +37,7 @@ class Control:
 
     def select(self, view: int) -> "Control":
         """One view."""
-        return Control(self.points, self.std, self.image[view : view + 1], self.views[view : view + 1])
+        return Control(self.points, self.std, self.image[view : view + 1], self.views[view : view + 1], self.names)
 
 
 def control_of(instrument: xr.Dataset) -> Control:
@@ -50,17 +51,18 @@ def control_of(instrument: xr.Dataset) -> Control:
     points = instrument["control_position"].transpose("control_point", "axis").values.astype(float)
     std = instrument["control_position_std"].values if "control_position_std" in instrument else np.zeros(len(points))
     image = instrument["control_image"].transpose("view", "control_point", "image_axis").values.astype(float)
-    control = Control(points, np.asarray(std, dtype=float), image, view_names(instrument))
+    views, names = labels(instrument, "view"), labels(instrument, "control_point")
+    control = Control(points, np.asarray(std, dtype=float), image, views, names)
     for view, seen in zip(control.views, control.seen, strict=True):
         _refuse(view, points[seen])
     return control
 
 
-def view_names(instrument: xr.Dataset) -> tuple[str, ...]:
-    """The names of the views, or their numbers from 1."""
-    if "view" in instrument.variables:
-        return tuple(str(name) for name in instrument["view"].values)
-    return tuple(str(number + 1) for number in range(instrument.sizes["view"]))
+def labels(instrument: xr.Dataset, dim: str) -> tuple[str, ...]:
+    """The labels of a dimension, or numbers from 1 where it has none."""
+    if dim in instrument.variables:
+        return tuple(str(name) for name in instrument[dim].values)
+    return tuple(str(number + 1) for number in range(instrument.sizes[dim]))
 
 
 def image_coverage(control: Control, half_diagonal: np.ndarray) -> np.ndarray:
@@ -91,7 +93,7 @@ def _length(metres: float) -> str:
 
 
 def marker_images(instrument: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """The markers' images (view, time x marker, 2), NaN where hidden, and their stated std (time x marker,), NaN if unknown."""
+    """The markers' images (view, time x marker, 2), NaN where hidden, and their std (time x marker,), NaN where not stated."""
     image = instrument["image_position"].transpose("view", "time", "marker", "image_axis").values.astype(float)
     views, times, markers, _ = image.shape
     image = np.where(np.isfinite(image).all(axis=3, keepdims=True), image, np.nan)

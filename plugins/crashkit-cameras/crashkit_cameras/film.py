@@ -3,22 +3,21 @@
 import numpy as np
 import xarray as xr
 
+from crashkit.data.instrument_errors import error_values, prediction_coordinates
 from crashkit.data.schema import GroupSchema, Variable
+from crashkit.data.schemas import body_of, point_of, std_of
 from crashkit.protocols import Observer, ParameterSpec, SensorErrors
-from crashkit_cameras.marker_motion import error_values, sample_path, selection
-
-MARKER_BODY = Variable("marker_body", ("marker",), None, "the body that carries the marker", kind="text")
-MARKER_POINT = Variable(
-    "marker_point", ("marker", "axis"), "m", "the marker's place in the body's frame, from the centre of mass"
-)
+from crashkit_cameras.body_motion import body_motion
+from crashkit_cameras.marker_motion import marker_motion
 
 DIMS = ("time", "marker", "axis")
 
 
 class Film(Observer):
-    """Markers on bodies that do not turn.
+    """Markers on bodies, which may turn.
 
-    z(t) = x_0 + gain (x(t - clock_offset) - x_0) + bias, x the body's position plus the marker's point and x_0 its first.
+    z(t) = y_0 + gain (y(t - clock_offset) - y_0) + bias, with y = x + R p the place of the point p of a body at x, turned by
+    R, and y_0 where it is at the motion's start.
     """
 
     name = "film"
@@ -26,9 +25,9 @@ class Film(Observer):
         "film",
         (
             Variable("position", DIMS, "m", "a marker's position in the laboratory frame", allow_nan=True),
-            MARKER_BODY,
-            MARKER_POINT,
-            Variable("position_std", ("marker",), "m", "standard deviation of a reading", required=False),
+            body_of("marker"),
+            point_of("marker"),
+            std_of("position", "marker", "m"),
         ),
     )
     quantity = "position"
@@ -42,57 +41,32 @@ class Film(Observer):
 
     def predict(self, motion: xr.Dataset, instrument: xr.Dataset, errors: SensorErrors | None = None) -> xr.Dataset:
         """The markers' positions, as `Observer.predict` says."""
-        own = error_values(self, instrument.variables["marker"].values.tolist(), errors)
-        gain, bias = own["gain"][:, None], own["bias"][:, None]
-        nodes = motion.variables["time"].values
-        at = instrument.variables["time"].values - own["clock_offset"][0]
-        at_markers = selection(motion, instrument)
+        axes = instrument.variables["axis"].values.tolist()
+        own = error_values(self, instrument.variables["marker"].values.tolist(), axes, errors)
+        gain, bias = own["gain"], own["bias"]
+        at = instrument.variables["time"].values - own["clock_offset"][0, 0]
+        points = instrument.variables["marker_point"].values
+        seen = marker_motion(self, motion, instrument.variables["marker_body"].values.tolist(), points, axes, at)
 
-        path = at_markers("position")
-        start = path[0]
-        path, rate = sample_path(nodes, path, at_markers("velocity"), at)
-        displacement = path - start
-        position = start + instrument.variables["marker_point"].values + gain * displacement + bias
-        derivatives = np.stack([displacement, np.ones_like(path), -gain * rate], axis=-1)
+        displacement = seen.position - seen.start
+        derivatives = np.stack([displacement, np.ones_like(displacement), -gain * seen.velocity], axis=-1)
         predicted = {
-            "position": xr.Variable(DIMS, position, {"units": "m"}),
+            "position": xr.Variable(DIMS, seen.start + gain * displacement + bias, {"units": "m"}),
             "position_error_sensitivity": xr.Variable((*DIMS, "error"), derivatives),
         }
-        if "position_sensitivity" in motion.variables:
-            path = at_markers("position_sensitivity")
-            start = path[0]
-            path, _ = sample_path(nodes, path, at_markers("velocity_sensitivity"), at)
-            sensitivity = start + gain[..., None] * (path - start)
-            predicted["position_sensitivity"] = xr.Variable((*DIMS, "parameter"), sensitivity)
-        return xr.Dataset(predicted, self._coordinates(motion, instrument))
+        if seen.slope is not None and seen.start_slope is not None:
+            slope = seen.start_slope + gain[..., None] * (seen.slope - seen.start_slope)
+            predicted["position_sensitivity"] = xr.Variable((*DIMS, "parameter"), slope)
+        return xr.Dataset(predicted, prediction_coordinates(self, motion, instrument))
 
     def reconstruct(self, instrument: xr.Dataset) -> xr.Dataset:
-        """The bodies' positions, each the mean over its visible markers, and their standard deviations if they are known.
+        """The bodies' positions and orientations, as `body_motion` says, from the markers that are visible.
 
-        Returns:
-            position (time, body, axis), NaN while all markers of a body are hidden; position_std (body) with all visible.
+        Markers count by their `position_std` if it is known, else all alike.
         """
-        carriers = instrument["marker_body"].values
-        bodies = list(dict.fromkeys(carriers.tolist()))
-        centres = instrument["position"].transpose(*DIMS).values - instrument["marker_point"].values
-        means = np.stack([_mean(centres[:, carriers == body]) for body in bodies], axis=1)
-        variables = {"position": xr.Variable(("time", "body", "axis"), means, {"units": "m"})}
-        if "position_std" in instrument:
-            variance = instrument["position_std"].values ** 2
-            stds = [np.sqrt(variance[carriers == body].sum()) / (carriers == body).sum() for body in bodies]
-            variables["position_std"] = xr.Variable("body", stds, {"units": "m"})
-        return xr.Dataset(variables, {"time": instrument["time"], "body": bodies, "axis": instrument["axis"]})
-
-    def _coordinates(self, motion: xr.Dataset, instrument: xr.Dataset) -> xr.Coordinates:
-        """The coordinates of a prediction, without indexes: building those takes longer than predicting."""
-        variables = {"error": xr.Variable("error", [spec.name for spec in self.errors])}
-        for source, dims in ((instrument, DIMS), (motion, ("parameter",))):
-            variables |= {dim: source.variables[dim] for dim in dims if dim in source.variables}
-        return xr.Coordinates(variables, indexes={})
-
-
-def _mean(positions: np.ndarray) -> np.ndarray:
-    """The mean over markers (dim 1) that are visible, NaN where none is."""
-    visible = np.isfinite(positions)
-    count = visible.sum(axis=1)
-    return np.where(count > 0, np.where(visible, positions, 0.0).sum(axis=1) / np.maximum(count, 1), np.nan)
+        positions = instrument["position"].transpose(*DIMS).values.astype(float)
+        covariance = None
+        if "position_std" in instrument and np.isfinite(instrument["position_std"]).all():
+            variance = instrument["position_std"].values[:, None, None] ** 2 * np.eye(positions.shape[2])
+            covariance = np.broadcast_to(variance, (len(positions), *variance.shape))
+        return body_motion(instrument, positions, covariance, np.zeros((*positions.shape, 0)))

@@ -1,83 +1,159 @@
-"""Where markers fixed on bodies are at the time stamps of an instrument, and what its own errors make of that."""
+"""Where markers fixed on bodies are at the time stamps of an instrument."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
+from attrs import frozen
 
+from crashkit.data.instrument_errors import positions
 from crashkit.errors import CrashkitError
-from crashkit.protocols import Observer, SensorErrors
+from crashkit.protocols import Observer
+
+AXES = ("x", "y", "z")
 
 
-def error_values(observer: Observer, markers: Sequence[str], errors: SensorErrors | None) -> dict[str, np.ndarray]:
-    """Every error parameter of the observer as one value for each marker.
+@frozen(eq=False)
+class MarkerMotion:
+    """Positions of markers and their rates (time, marker, axis), and the positions at the motion's start (marker, axis).
 
-    Markers that `errors` names and the film does not have are passed over: a run may lack a marker that others have.
-
-    Raises CrashkitError for a parameter that is not declared, or not of a single marker.
+    `slope` and `start_slope` are derivatives to the motion's parameters, with a last dim for these; None where it has none.
     """
-    values = {spec.name: np.full(len(markers), spec.null) for spec in observer.errors}
-    for marker, given in (errors or {}).items():
-        known = set(values) if marker == "" else set(values) - set(observer.instrument_errors)
-        rows = [row for row, name in enumerate(markers) if marker in ("", name)]
-        for name, value in given.items():
-            if name not in known:
-                raise CrashkitError(f"{observer.name} {marker!r}: expected an error of {sorted(known)}, found {name!r}")
-            values[name][rows] = value
-    return values
+
+    position: np.ndarray
+    velocity: np.ndarray
+    start: np.ndarray
+    slope: np.ndarray | None
+    start_slope: np.ndarray | None
 
 
-def selection(motion: xr.Dataset, instrument: xr.Dataset) -> Callable[[str], np.ndarray]:
-    """Picks, of a motion's variable, each marker's body and axes: (time, body, axis, ...) to (time, marker, axis, ...)."""
-    bodies = _rows(motion, "body", instrument.variables["marker_body"].values)
-    axes = _rows(motion, "axis", instrument.variables["axis"].values)
+@frozen(eq=False)
+class _Nodes:
+    """The motion of markers at some of its instants, (node, marker, axis), and the derivatives of that, if there are any."""
 
-    def select(name: str) -> np.ndarray:
-        if name not in motion.variables:
-            raise CrashkitError(f"film: expected a motion with {name}, found none")
-        return motion.variables[name].values.take(bodies, axis=1).take(axes, axis=2)
-
-    return select
+    position: np.ndarray
+    velocity: np.ndarray
+    slope: np.ndarray | None
+    velocity_slope: np.ndarray | None
 
 
-def sample_path(
-    nodes: np.ndarray, position: np.ndarray, velocity: np.ndarray, at: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Position and velocity at the times `at` by cubic Hermite interpolation, exact at the nodes.
+def marker_motion(
+    observer: Observer,
+    motion: xr.Dataset,
+    bodies: Sequence[str],
+    points: np.ndarray,
+    axes: Sequence[str],
+    at: np.ndarray,
+    in_space: bool = False,
+) -> MarkerMotion:
+    """The motion of markers, by cubic Hermite interpolation from their positions and velocities, exact at the motion's nodes.
 
-    Motion before the first node is uniform if that node is not after the first contact, at t = 0; NaN after the last node.
+    x + R p for a body that turns, x + p for one that does not. Motion before the first node is uniform if that node is not
+    after the first contact, at t = 0; NaN after the last node.
 
     Arguments:
-        nodes: s, (node,).
-        position, velocity: (node, ...), or their derivatives to parameters.
+        observer: whose name messages begin with.
+        motion: of the bodies; with `orientation` and `angular_velocity` if they turn, and with sensitivities or without.
+        bodies: that carry the markers.
+        points: of the markers in their bodies' frames, (marker, len(axes)), m.
+        axes: of the laboratory frame that are wanted.
         at: s, (time,).
-
-    Returns:
-        Position and its rate, (time, ...).
+        in_space: whether along an axis that the motion lacks the bodies rest at 0; if not, it is asked for.
     """
-    index = np.searchsorted(nodes, at, side="right").clip(1, len(nodes) - 1)
+    times = motion.variables["time"].values
+    after = np.searchsorted(times, at, side="right").clip(1, len(times) - 1)
+    rows, places = np.unique(np.concatenate([[0], after - 1, after]), return_inverse=True)
+    before, after = places[1 : len(at) + 1], places[len(at) + 1 :]
+    moving = [axis for axis in axes if axis in motion.variables["axis"].values] if in_space else axes
+    nodes = _nodes(observer, motion, rows, bodies, points, axes, moving)
+    instants = times[rows]
+    position, velocity = _interpolated(instants, nodes.position, nodes.velocity, before, after, at)
+    if nodes.slope is None or nodes.velocity_slope is None:
+        return MarkerMotion(position, velocity, nodes.position[0], None, None)
+    slope, _ = _interpolated(instants, nodes.slope, nodes.velocity_slope, before, after, at)
+    return MarkerMotion(position, velocity, nodes.position[0], slope, nodes.slope[0])
+
+
+def rotation_of(quaternion: np.ndarray) -> np.ndarray:
+    """The rotation matrices (..., 3, 3) of unit quaternions (w, x, y, z), (..., 4)."""
+    w, x, y, z = np.moveaxis(quaternion, -1, 0)
+    rows = (
+        (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
+        (2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)),
+        (2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)),
+    )
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def _nodes(
+    observer: Observer,
+    motion: xr.Dataset,
+    rows: np.ndarray,
+    bodies: Sequence[str],
+    points: np.ndarray,
+    axes: Sequence[str],
+    moving: Sequence[str],
+) -> _Nodes:
+    carriers = positions(observer, motion, "body", bodies)
+
+    def pick(name: str, columns: np.ndarray) -> np.ndarray:
+        if name not in motion.variables:
+            raise CrashkitError(f"{observer.name}: expected a motion with {name}, found none")
+        return motion.variables[name].values.take(rows, axis=0).take(carriers, axis=1).take(columns, axis=2)
+
+    def along(name: str) -> np.ndarray:
+        values = pick(name, positions(observer, motion, "axis", moving))
+        if len(moving) == len(axes):
+            return values
+        full = np.zeros((*values.shape[:2], len(axes), *values.shape[3:]))
+        full[:, :, [axis in moving for axis in axes]] = values
+        return full
+
+    position, velocity, slope, velocity_slope = along("position"), along("velocity"), None, None
+    sensitive = "position_sensitivity" in motion.variables
+    if sensitive:
+        slope, velocity_slope = along("position_sensitivity"), along("velocity_sensitivity")
+    if "orientation" not in motion.variables:
+        return _Nodes(position + points, velocity, slope, velocity_slope)
+
+    space = positions(observer, motion, "axis", AXES)
+    chosen = [AXES.index(axis) for axis in axes]
+    arm = _arms(pick("orientation", np.arange(4)), points, chosen)
+    spin = pick("angular_velocity", space)
+    position, velocity = position + arm[..., chosen], velocity + np.cross(spin, arm)[..., chosen]
+    if sensitive:
+        turn = np.cross(pick("rotation_sensitivity", space), arm[..., None], axis=2)
+        speed = np.cross(pick("angular_velocity_sensitivity", space), arm[..., None], axis=2)
+        speed += np.cross(spin[..., None], turn, axis=2)
+        slope, velocity_slope = slope + turn[:, :, chosen], velocity_slope + speed[:, :, chosen]
+    return _Nodes(position, velocity, slope, velocity_slope)
+
+
+def _arms(quaternion: np.ndarray, points: np.ndarray, chosen: Sequence[int]) -> np.ndarray:
+    """R p, (node, marker, 3); the points lie on the chosen axes only."""
+    full = np.zeros((len(points), 3))
+    full[:, chosen] = points
+    return np.asarray((rotation_of(quaternion) @ full[..., None])[..., 0])
+
+
+def _interpolated(
+    nodes: np.ndarray, position: np.ndarray, velocity: np.ndarray, before: np.ndarray, after: np.ndarray, at: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Position and its rate at the times `at`, each between the nodes `before` and `after`, (time, ...)."""
     column = (-1,) + (1,) * (position.ndim - 1)
-    h = (nodes[index] - nodes[index - 1]).reshape(column)
-    s = (at - nodes[index - 1]).reshape(column) / h
-    start, start_rate = position.take(index - 1, axis=0), velocity.take(index - 1, axis=0)
-    step, end_rate = position.take(index, axis=0) - start, velocity.take(index, axis=0)
+    h = (nodes[after] - nodes[before]).reshape(column)
+    s = (at - nodes[before]).reshape(column) / h
+    start, start_rate, end_rate = position[before], velocity[before], velocity[after]
+    step = position[after] - start
     square = 3.0 * step / h - 2.0 * start_rate - end_rate
     cube = start_rate + end_rate - 2.0 * step / h
     value = start + h * s * (start_rate + s * (square + s * cube))
     rate = start_rate + s * (2.0 * square + 3.0 * s * cube)
 
-    before = at < nodes[0]
-    value[before] = position[0] + velocity[0] * (at[before] - nodes[0]).reshape(column)
-    rate[before] = velocity[0]
-    unknown = (at > nodes[-1]) | (before & (nodes[0] > 0.0))
+    early = at < nodes[0]
+    value[early] = position[0] + velocity[0] * (at[early] - nodes[0]).reshape(column)
+    rate[early] = velocity[0]
+    unknown = (at > nodes[-1]) | (early & (nodes[0] > 0.0))
     value[unknown] = np.nan
     rate[unknown] = np.nan
     return value, rate
-
-
-def _rows(motion: xr.Dataset, dim: str, names: np.ndarray) -> list[int]:
-    known = motion.variables[dim].values.tolist()
-    missing = set(names.tolist()) - set(known)
-    if missing:
-        raise CrashkitError(f"film: expected a {dim} of the motion ({', '.join(known)}), found {', '.join(sorted(missing))}")
-    return [known.index(name) for name in names.tolist()]

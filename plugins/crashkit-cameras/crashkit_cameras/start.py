@@ -13,6 +13,8 @@ from crashkit_cameras.prior import Expectation, Frame, Prior, expectation
 from crashkit_cameras.projection import PARAMETERS, Cameras, join
 
 POSE_AND_FOCAL = 7
+SUSPICIOUS = 1.0
+"""pixel; noise from which blunders may hide among the readings."""
 
 
 def start_cameras(control: Control, frame: Frame, prior: Prior) -> Cameras:
@@ -26,7 +28,7 @@ def _start(control: Control, frame: Frame, prior: Prior) -> Cameras:
     readings = Readings(image[None], np.full((1, len(points)), USUAL), points, np.zeros(len(points)))
     candidates = _candidates(fit_linear(points, image), readings, frame)
     best, readings, expected = _best(candidates, readings, frame, prior)
-    suspicious = readings.std[0, 0] > USUAL or blunders(best, readings, expected)[0].any()
+    suspicious = readings.std[0, 0] > SUSPICIOUS or blunders(best, readings, expected)[0].any()
     if suspicious and len(points) > SUBSET:
         candidates += _candidates(fit_linear_robust(points, image), readings, frame)
         best, _, _ = _best(candidates, readings, frame, prior)

@@ -7,6 +7,7 @@ import xarray as xr
 
 from crashkit.mechanics.state_form import StateForm
 from crashkit.misfit import Misfit
+from crashkit_identifiers.measured import known
 from crashkit_identifiers.recorded import laws_of
 from crashkit_identifiers.wrapped import SameVariables
 
@@ -14,7 +15,7 @@ from crashkit_identifiers.wrapped import SameVariables
 class EquationError(SameVariables):
     """r = (a - f(X) U - g(X)) / s over every instant and moving body, with a and X measured (Mizzi & Jezequel 1992, eq 33).
 
-    Nothing is simulated, so nothing can go astray; but the noise of X biases the forces, and the smoothing rounds their corners.
+    Nothing is simulated, so nothing can go astray; but the noise of X biases the forces, and smoothing rounds their corners.
 
     Arguments:
         misfit: of the model to the recordings.
@@ -38,7 +39,7 @@ class _Run:
     """The equations along the measured motion of one run."""
 
     def __init__(self, misfit: Misfit, motion: xr.Dataset) -> None:
-        motion = motion.isel(time=np.isfinite(motion["acceleration"]).all(("body", "axis")).values)
+        motion = known(motion)
         self._form = StateForm(misfit.model, laws_of(misfit), motion)
         self._moving = [row for row, body in enumerate(misfit.model.bodies) if not body.fixed]
         names = [name for name in ("acceleration", "angular_acceleration") if name in motion]

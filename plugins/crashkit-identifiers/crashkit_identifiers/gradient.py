@@ -35,7 +35,7 @@ class GradientState:
 class Gradient(Identifier[GradientState]):
     """Steepest descent with a line search, on [0, T/n], [0, 2T/n], ... [0, T] (Mizzi & Jezequel 1992, eq 42-43).
 
-    Each slice begins where the one before it ended. Slow, and it seldom gets to the bottom of a narrow valley: it is here as a yardstick.
+    Each slice begins where the one before it ended. Slow, and seldom at the bottom of a narrow valley: a yardstick.
 
     Arguments:
         slices: n.

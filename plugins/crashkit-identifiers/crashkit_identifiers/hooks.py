@@ -4,10 +4,26 @@ from typing import Any
 
 from crashkit.protocols import Identifier
 from crashkit.registry import hookimpl
+from crashkit_identifiers.chebyshev import Chebyshev
+from crashkit_identifiers.gradient import Gradient
+from crashkit_identifiers.integral_filter import IntegralFilter
+from crashkit_identifiers.optimal_control import OptimalControl
+from crashkit_identifiers.optimal_filter import OptimalFilter
 from crashkit_identifiers.sensitivity import Sensitivity
+from crashkit_identifiers.state_form import StateFormRegression
+from crashkit_identifiers.substructuring import Substructuring
 
 
 @hookimpl
 def crashkit_identifiers() -> list[type[Identifier[Any]]]:
     """The identifiers of this distribution."""
-    return [Sensitivity]
+    return [
+        Sensitivity,
+        OptimalControl,
+        Gradient,
+        OptimalFilter,
+        IntegralFilter,
+        StateFormRegression,
+        Chebyshev,
+        Substructuring,
+    ]

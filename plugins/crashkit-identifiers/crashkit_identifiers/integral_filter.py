@@ -58,8 +58,9 @@ class IntegralFilter(Identifier[FilterState]):
     """Newton's steps towards the zero of J_i = ∫ L(X, U) B_i(t) dt, i = 1 ... m (Mizzi & Jezequel 1992, eq 46).
 
     L is the squared difference of simulated and measured displacement, speed and acceleration, each as a share of its largest
-    value, times its weight; the windows B_i are as many as the parameters, in every run. A zero of squares is double, so a step
-    is twice Newton's. With noise there is no zero: the search ends where the costs fall no further, which is not the least misfit.
+    value, times its weight; the windows B_i are as many as the parameters, in every run. A zero of squares is double, so a
+    step is twice Newton's. With noise there is no zero: the search ends where the costs fall no further, which is not the
+    least misfit. Every body that moves must be seen by an instrument, or it does not count.
 
     Arguments:
         basis: of the windows: "power", "sine" or "chebyshev" (squared).

@@ -85,9 +85,7 @@ class LineDynamics:
         transition[:size] = tangent + step * tangent_sums
         return state, transition
 
-    def _accelerations(
-        self, state: np.ndarray, values: dict[str, float]
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _accelerations(self, state: np.ndarray, values: dict[str, float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """m s-2 by body, and their derivatives to the state and to the parameters."""
         force = np.zeros(self.count)
         by_state, by_parameter = np.zeros((self.count, 2 * self.count)), np.zeros((self.count, len(self.misfit.names)))

@@ -1,5 +1,6 @@
 """Optimal control: steps that need the gradient alone, which an adjoint gives for the price of one more simulation."""
 
+import math
 from typing import ClassVar
 
 import numpy as np
@@ -7,6 +8,7 @@ from attrs import evolve, field, frozen
 
 from crashkit.protocols import Identification, Identifier, Problem, Status
 from crashkit_identifiers.cost import cost_and_gradient, is_least, stopped
+from crashkit_identifiers.prior import with_prior
 from crashkit_identifiers.result import Path, conclude
 
 FIRST_LENGTH = 0.05
@@ -39,14 +41,17 @@ class OptimalControl(Identifier[ControlState]):
     Arguments:
         tolerance: relative drop in cost below which a step counts as none.
         step_limit: steps after which the search ends unconverged.
+        prior: standard deviation of every search variable about its start, if that is known beforehand.
     """
 
     name: ClassVar[str] = "optimal_control"
     tolerance: float = 1e-10
     step_limit: int = 300
+    prior: float = math.inf
 
     def start(self, problem: Problem) -> ControlState:
         """The state at the problem's own start."""
+        problem = with_prior(problem, self.prior)
         point = np.clip(problem.start(), *problem.bounds())
         cost, gradient = cost_and_gradient(problem, point)
         status = Status.RUNNING if np.isfinite(cost) else Status.FAILED
@@ -58,6 +63,7 @@ class OptimalControl(Identifier[ControlState]):
             return state
         if len(state.path) > self.step_limit:
             return evolve(state, status=Status.STEP_LIMIT)
+        problem = with_prior(problem, self.prior)
         for inverse in (state.inverse, _unlearnt(state.gradient)):
             found = _line_search(problem, evolve(state, inverse=inverse))
             if found is not None and state.cost - found.cost > self.tolerance * state.cost:
@@ -66,7 +72,7 @@ class OptimalControl(Identifier[ControlState]):
 
     def finish(self, problem: Problem, state: ControlState) -> Identification:
         """Parameters with covariance, what the data do not see, and the path."""
-        return conclude(problem, state.point, state.status, state.path)
+        return conclude(problem, state.point, state.status, state.path, with_prior(problem, self.prior))
 
 
 def _unlearnt(gradient: np.ndarray) -> np.ndarray:

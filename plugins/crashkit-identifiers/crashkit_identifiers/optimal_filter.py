@@ -33,26 +33,29 @@ class PassState:
 
 @frozen
 class OptimalFilter(Identifier[PassState]):
-    """Sequential estimation of state and parameters, in several passes (Mizzi & Jezequel 1992, eq 44-45; Distefano & Rath 1975).
+    """Sequential estimation of state and parameters, in several passes (Mizzi & Jezequel 1992, eq 44-45).
+
+    After Distefano & Rath 1975, Computer Methods in Applied Mechanics and Engineering 5, 353.
 
     With A = (X, U), A' = G(A) = (F(X, U), 0), the estimate that minimises ∫ |W - N A|² dt + |A(0) - A_0|²_P follows
 
     A' = G(A) + Q Nᵀ R⁻¹ (W - N A),   Q' = G_A Q + Q G_Aᵀ - Q Nᵀ R⁻¹ N Q,   Q(0) = P⁻¹,
 
-    here from one measured instant to the next, with W the measured positions and velocities. One axis; every body that a
-    joint holds must be seen by an instrument. What a short impact shows of a parameter is gone before the filter has learnt the
-    others, so it needs several passes, and often does not arrive.
+    here from one measured instant to the next, with W the measured positions and velocities. One axis; every body that a joint
+    holds must be seen by an instrument. What a short impact shows of a parameter is gone before the filter has learnt the
+    others, so it needs several passes, and may not arrive.
 
     Arguments:
         prior: standard deviation of the search variables about their values at the start of each pass.
+        distrust: what is added, in the first pass, to the noise of each measured state, as a share of its range: a filter that
+            believes exact measurements from wrong parameters overshoots. It is halved with every pass.
         passes: at most.
     """
 
     name: ClassVar[str] = "optimal_filter"
-    prior: float = 0.3
-    passes: int = 20
-    distrust: float = 0.1
-    decay: float = 0.7
+    prior: float = 0.1
+    distrust: float = 0.03
+    passes: int = 30
 
     def start(self, problem: Problem) -> PassState:
         """The state at the problem's own start."""
@@ -74,8 +77,9 @@ class OptimalFilter(Identifier[PassState]):
         if len(state.path) > self.passes:
             return evolve(state, status=Status.STEP_LIMIT)
         point, covariance = state.point, np.eye(len(state.point)) * self.prior**2
+        distrust = self.distrust * 0.5 ** (len(state.path) - 1)
         for motion in state.measured.values():
-            point, covariance = _filtered(misfit, motion, point, covariance, self.distrust * self.decay ** (len(state.path) - 1))
+            point, covariance = _filtered(misfit, motion, point, covariance, distrust)
         if not np.isfinite(point).all():
             return evolve(state, status=Status.STALLED)
         cost = cost_at(misfit, point)
@@ -95,19 +99,18 @@ def _filtered(
     """The parameters and their covariance after one run."""
     dynamics = LineDynamics(misfit, motion)
     count, known = dynamics.count, len(point)
-    measured, noise = dynamics.measured(motion)
-    start_noise = noise
-    noise = np.hypot(noise, distrust * np.ptp(measured, axis=0))
+    measured, own_noise = dynamics.measured(motion)
+    noise = np.diag(own_noise**2 + (distrust * np.ptp(measured, axis=0)) ** 2)
     state = measured[0].copy()
     q = np.zeros((2 * count + known, 2 * count + known))
-    q[: 2 * count, : 2 * count] = np.diag(start_noise**2)
+    q[: 2 * count, : 2 * count] = np.diag(own_noise**2)
     q[2 * count :, 2 * count :] = covariance
     lower, upper = misfit.bounds()
     observe = np.eye(2 * count, 2 * count + known)
     for step, reading in zip(np.diff(motion["time"].values), measured[1:], strict=True):
         state, transition = dynamics.advance(state, point, float(step))
         q = transition @ q @ transition.T
-        gain = q @ observe.T @ np.linalg.inv(observe @ q @ observe.T + np.diag(noise**2))
+        gain = q @ observe.T @ np.linalg.inv(observe @ q @ observe.T + noise)
         change = gain @ (reading - state)
         q = (np.eye(len(q)) - gain @ observe) @ q
         q = 0.5 * (q + q.T)

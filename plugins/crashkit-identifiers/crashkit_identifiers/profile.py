@@ -15,7 +15,7 @@ TRUSTED = 0.3
 CLOSE = 0.1
 TRIALS = 10
 FAR, LOOSE = 25.0, 25.0
-"""χ² by which a point may be from the least misfit, and excess of χ², beyond which a profile says no more than the curvature."""
+"""χ² between a point and the least misfit, and excess of χ², beyond which a profile says no more than the curvature."""
 REFIT = Limits(tolerance=1e-4, steps=12)
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from crashkit.errors import CrashkitError
-from crashkit.misfit import Misfit
 from crashkit.mechanics.layout import Laws
+from crashkit.misfit import Misfit
 from crashkit.protocols import Problem
 
 

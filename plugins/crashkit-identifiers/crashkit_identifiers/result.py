@@ -21,17 +21,26 @@ NO_INFORMATION = 1e-14
 Path = tuple[tuple[float, np.ndarray], ...]
 
 
-def conclude(problem: Problem, point: np.ndarray, status: Status, path: Path) -> Identification:
+def conclude(
+    problem: Problem, point: np.ndarray, status: Status, path: Path, objective: Problem | None = None
+) -> Identification:
     """The result of any method that ended at `point`.
 
     With r the weighted residuals there and J their derivatives, H = JᵀJ:
 
     cov(u) = max(1, rᵀr / ν) H⁻¹ + Δ Δᵀ, where Δ = -H⁻¹ Jᵀ r is the way that is left to the least misfit: nothing where a
-    method ends there, and honest where it ends elsewhere. The first factor counts only where the residuals are larger than chance
-    allows. `std` is widened where the interval is wider than 1.96 of it to either side; it is NaN, and the interval all that the
-    bounds allow, where the point is too far from the least misfit to tell, and for a parameter that a bound holds.
+    method ends there, and honest where it ends elsewhere. The first factor counts only where the residuals are larger than
+    chance allows. `std` is widened where the interval is wider than 1.96 of it to either side. Where the point is too far from
+    the least misfit to tell, it is NaN, and the interval all that the bounds allow; it is NaN too for a parameter at a bound.
+
+    Arguments:
+        problem: that was to be solved.
+        point: in search variables.
+        status, path: as the method leaves them.
+        objective: whose residuals are meant, if these are not the problem's own: those of a prior may have joined them.
     """
-    fit = _fit(problem, point)
+    objective = objective or problem
+    fit = _fit(problem, objective, point)
     if fit is None:
         return _without_simulation(problem, point, status, path)
     names, (lower, upper) = list(problem.names), problem.bounds()
@@ -40,7 +49,7 @@ def conclude(problem: Problem, point: np.ndarray, status: Status, path: Path) ->
     left = _way_left(fit, held)
     drop = 0.5 * float(left @ fit.curvature @ left)
     found = Found(point, fit.cost, left, fit.excess * _inverse(fit.curvature, held), fit.excess, drop)
-    low, high = intervals(problem, found)
+    low, high = intervals(objective, found)
     half = 0.5 * (high - low)
     with np.errstate(over="ignore", invalid="ignore"):  # what is not seen at all has an infinite variance
         spread = found.spread + np.outer(left, left)
@@ -86,11 +95,11 @@ class _Fit:
         return ratio if ratio > 1.0 + 3.0 * np.sqrt(2.0 / freedom) else 1.0
 
 
-def _fit(problem: Problem, point: np.ndarray) -> _Fit | None:
+def _fit(problem: Problem, objective: Problem, point: np.ndarray) -> _Fit | None:
     """None where the model cannot be simulated."""
     try:
         with np.errstate(over="ignore", invalid="ignore"):
-            residual, jacobian = problem.residual_and_jacobian(point)
+            residual, jacobian = objective.residual_and_jacobian(point)
             cost = 0.5 * float(residual @ residual)
             gradient, curvature = jacobian.T @ residual, jacobian.T @ jacobian
     except SimulationError:

@@ -2,5 +2,6 @@
 
 from crashkit_smoothers.adaptive_quintic import AdaptiveQuintic
 from crashkit_smoothers.gcv_splines import GcvCubic, GcvHeptic, GcvQuintic
+from crashkit_smoothers.spectral import Spectral
 
-__all__ = ["AdaptiveQuintic", "GcvCubic", "GcvHeptic", "GcvQuintic"]
+__all__ = ["AdaptiveQuintic", "GcvCubic", "GcvHeptic", "GcvQuintic", "Spectral"]

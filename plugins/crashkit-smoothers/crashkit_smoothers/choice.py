@@ -17,8 +17,10 @@ Score = Callable[[float, float, float], float]
 MOST_FREEDOM = 0.9
 """Of the samples: with as much freedom as samples the score is 0 / 0."""
 CONDITION = {2: 1e20, 3: 1e14, 4: 1e11}
-"""By the order that is penalised: the largest smoothing, over that which holds the roughest wave half back. Up to it degrees of
-freedom and standard deviations keep three digits; what is smoother needs fewer knots."""
+"""By the order that is penalised, the largest smoothing over that which holds the roughest wave half back.
+
+Up to it degrees of freedom and standard deviations keep three digits; what is smoother needs fewer knots.
+"""
 STEP = 0.8
 """Decades between the candidates over the whole range."""
 NEAR = 2.5
@@ -32,8 +34,6 @@ def cross_validation(count: float, residual: float, freedom: float) -> float:
 
     Craven & Wahba 1978, doi:10.1007/BF01404567; Mizzi & Jezequel 1992, eq 32.
     """
-    if freedom > MOST_FREEDOM * count:
-        return np.inf
     return count * float(np.log(max(count * residual, np.finfo(float).tiny) / (count - freedom) ** 2))
 
 
@@ -46,7 +46,10 @@ def robust_cross_validation(count: float, residual: float, freedom: float) -> fl
 
 
 def unbiased_risk(count: float, residual: float, freedom: float) -> float:
-    """The unbiased risk for noise of standard deviation 1, |(I - A) z|^2 + 2 tr A (Mallows, doi:10.1080/00401706.1973.10489103)."""
+    """The unbiased risk for noise of standard deviation 1, |(I - A) z|^2 + 2 tr A.
+
+    Mallows 1973, doi:10.1080/00401706.1973.10489103.
+    """
     return residual + 2.0 * freedom
 
 
@@ -97,7 +100,8 @@ def best_fit(spline: PenalisedSpline, count: float, score: Score, near: float | 
 
 def _tried(spline: PenalisedSpline, count: float, score: Score, logarithm: float) -> tuple[Fit, float]:
     fit = spline.with_smoothing(10.0**logarithm)
-    return fit, score(count, fit.residual, fit.freedom)
+    in_range = 0.0 < fit.freedom <= MOST_FREEDOM * count
+    return fit, score(count, fit.residual, fit.freedom) if in_range else np.inf
 
 
 def _golden(tried: Callable[[float], tuple[Fit, float]], low: float, high: float) -> tuple[Fit, float]:

@@ -58,7 +58,7 @@ class GcvQuintic(Smoother):
 
 @frozen
 class GcvHeptic(Smoother):
-    """Minimises sum (z_i - f(t_i))^2 + p integral (f'''')^2 dt over splines f of degree 7, with p by generalised cross-validation.
+    """Minimises sum (z_i - f(t_i))^2 + p integral (f'''')^2 dt over heptic splines f, with p by generalised cross-validation.
 
     For motions without corners. For the uncertainty, given noise, filtered channels and contacts see `GcvQuintic`.
 

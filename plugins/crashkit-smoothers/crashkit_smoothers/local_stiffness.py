@@ -1,4 +1,4 @@
-"""A stiffness that follows the motion: less where it is rough, as in a contact, more where it is quiet, as before and after."""
+"""A stiffness that follows the motion: less where it is rough, as in a contact, more where it is quiet."""
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d

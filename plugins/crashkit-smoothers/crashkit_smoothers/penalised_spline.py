@@ -31,7 +31,7 @@ class Fit:
 
 @frozen
 class PenalisedSpline:
-    """Minimises sum (scale_i (z_i - f(x_i)))^2 + smoothing integral stiffness (f^(order))^2 dx over splines of degree 2 order - 1.
+    """Minimises sum (scale_i (z_i - f(x_i)))^2 + smoothing integral stiffness (f^(order))^2 dx, f of degree 2 order - 1.
 
     The samples are read once: what they say of the coefficients is a banded triangle, however many they are.
 
@@ -57,9 +57,7 @@ class PenalisedSpline:
         object.__setattr__(self, "columns", roughness(self.knots, self.order, *leggauss(self.order)))
 
     @classmethod
-    def of(
-        cls, x: np.ndarray, z: np.ndarray, scale: np.ndarray, knots: np.ndarray, order: int, rounding: float = 0.0
-    ) -> Self:
+    def of(cls, x: np.ndarray, z: np.ndarray, scale: np.ndarray, knots: np.ndarray, order: int, rounding: float = 0.0) -> Self:
         """From samples z at sorted x, whose rounding adds so much to the sum of squares."""
         triangle, right, rest = compress(x, z, scale, knots, 2 * order - 1)
         stiffness = np.ones(len(knots) - 4 * order + 1)

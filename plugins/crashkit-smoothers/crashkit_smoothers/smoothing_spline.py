@@ -11,7 +11,7 @@ from crashkit_smoothers.penalised_spline import Fit, PenalisedSpline
 from crashkit_smoothers.reading import Reading
 
 FIRST_KNOTS = 100
-"""The condition grows with a power of knots over degrees of freedom: knots at each of 1e4 samples of a smooth motion lose all digits."""
+"""The condition grows with a power of knots over freedom: knots at all of 1e4 samples of a smooth motion lose all digits."""
 FINER = 3
 WORTH = 0.05
 """Of the degrees of freedom, what finer knots must earn in deviance to be kept."""
@@ -47,6 +47,7 @@ class SplineFit:
         score: of that smoothing.
         trend: a polynomial that costs no roughness, taken off first and added again, which keeps it out of the rounding.
         contacts: of the recipe.
+        interior: knots within ]0, 1[ that were allowed.
     """
 
     spline: PenalisedSpline
@@ -54,23 +55,24 @@ class SplineFit:
     score: float
     trend: Polynomial
     contacts: tuple[float, ...]
+    interior: int
 
     def evaluated(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Value, first and second derivative at sorted x, and their standard deviations at scaled noise 1: both (3, len(x))."""
+        """Value, first and second derivative at sorted x, and their standard deviations at scaled noise 1: (3, len(x))."""
         values, spreads = self.spline.evaluated(x, self.fit)
         for order in range(3):
             values[order] += self.trend.deriv(order)(x)
         return values, spreads
 
 
-def fit_spline(reading: Reading, recipe: Recipe) -> SplineFit:
-    """The spline that a recipe makes of the samples."""
+def fit_spline(reading: Reading, recipe: Recipe, like: SplineFit | None = None) -> SplineFit:
+    """The spline that a recipe makes of the samples; with as many knots as another, and a smoothing near its own, if given."""
     workpiece = _Workpiece.of(reading, recipe)
-    uniform = _on_enough_knots(workpiece)
+    uniform = workpiece.on_knots(like.interior, like.fit.smoothing) if like else _on_enough_knots(workpiece)
     if not recipe.local:
         return uniform
-    stiffness = local_stiffness(uniform.spline, uniform.fit)
-    return workpiece.fitted(evolve(uniform.spline, stiffness=stiffness), uniform.fit.smoothing)
+    spline = evolve(uniform.spline, stiffness=local_stiffness(uniform.spline, uniform.fit))
+    return workpiece.fitted(spline, uniform.interior, uniform.fit.smoothing)
 
 
 @frozen
@@ -94,11 +96,13 @@ class _Workpiece:
         """The fit on so many knots, with a smoothing near one that is known."""
         order, reading = self.recipe.order, self.reading
         knots = knot_vector(self.x, interior, 2 * order - 1, self.recipe.contacts)
-        return self.fitted(PenalisedSpline.of(self.x, self.rest, reading.scale, knots, order, reading.rounding), near)
+        spline = PenalisedSpline.of(self.x, self.rest, reading.scale, knots, order, reading.rounding)
+        return self.fitted(spline, interior, near)
 
-    def fitted(self, spline: PenalisedSpline, near: float | None) -> SplineFit:
+    def fitted(self, spline: PenalisedSpline, interior: int, near: float | None) -> SplineFit:
         """The spline with the best smoothing."""
-        return SplineFit(spline, *best_fit(spline, self.reading.count, self.recipe.score, near), self.trend, self.recipe.contacts)
+        fit, score = best_fit(spline, self.reading.count, self.recipe.score, near)
+        return SplineFit(spline, fit, score, self.trend, self.recipe.contacts, interior)
 
     def is_explained(self, fitted: SplineFit) -> bool:
         """Whether the residuals are white noise."""

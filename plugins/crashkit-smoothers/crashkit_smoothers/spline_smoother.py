@@ -2,13 +2,12 @@
 
 import math
 
-import numpy as np
 import xarray as xr
 from attrs import frozen
 
 from crashkit.errors import CrashkitError
 from crashkit_smoothers.choice import Criterion
-from crashkit_smoothers.contacts import fit_with_contacts_found
+from crashkit_smoothers.contacts import fit_with_contacts_found, has_room
 from crashkit_smoothers.curve import curve
 from crashkit_smoothers.reading import Reading, read_channel
 from crashkit_smoothers.smoothing_spline import Recipe, SplineFit, fit_spline
@@ -53,14 +52,13 @@ class SplineMethod:
         return curve(reading, values, spreads * (found if std is None else 1.0), self._attrs(reading, fitted, found))
 
     def _places(self, contacts: tuple[float, ...], reading: Reading) -> tuple[float, ...]:
-        """The contacts on [0, 1], with enough samples before, between and after them."""
-        start = float(reading.time[0])
+        """The contacts on [0, 1], with room between them."""
+        start, x = float(reading.time[0]), reading.x[reading.present]
         places = tuple(sorted((contact - start) / reading.duration for contact in contacts))
-        within = np.histogram(reading.x[reading.present], [0.0, *places, 1.0])[0] if places else [self.order]
-        if min(within) < self.order or min(places, default=0.5) <= 0.0 or max(places, default=0.5) >= 1.0:
+        if not has_room(x, places, self.order):
             raise CrashkitError(
-                f"{self.name}: expected contacts between {start:g} and {start + reading.duration:g} s "
-                f"with at least {self.order} samples on each side, found {', '.join(f'{c:g} s' for c in contacts)}"
+                f"{self.name}: expected contacts with at least {self.order} samples before, between and after them, "
+                f"found {', '.join(f'{contact:g} s' for contact in contacts)}"
             )
         return places
 

@@ -65,7 +65,7 @@ def mark(
     Arguments:
         points: u, v of each marker, pixel, right to some pixels.
         kind: "quadrant" or "dot".
-        radius: of their discs, pixel; unknown if not given.
+        radius: of their discs, pixel, right to a quarter; unknown if not given.
         time: of the frame on which the targets are shown, s, for a correction later in a film.
 
     Returns:
@@ -84,7 +84,8 @@ def acquire(pattern: Pattern, image: np.ndarray, point: np.ndarray, radius: floa
     known = np.isfinite(radius)
     known = np.isfinite(radius)
     within = max(ACROSS, radius) if known else ACROSS
-    candidates = search_around(pattern, image, [radius] if known else _radii(*RADII), point, within)
+    radii = [radius / SCALE, radius, radius * SCALE] if known else _radii(*RADII)
+    candidates = search_around(pattern, image, radii, point, within)
     for candidate in candidates[:MOST_TRIED]:
         found = settle(pattern, image, candidate.shape(pattern))
         if found is not None and found.quality > LEAST_QUALITY:

@@ -12,14 +12,16 @@ LIGHT = 7
 """Values that say how bright the pattern is: ground and its gradient, contrast and its gradient, tone."""
 CONTRAST = 3
 TONE = 6
+CENTRE = slice(LIGHT, LIGHT + 2)
 TOLERANCES = (np.inf, 1.0, 0.5, 0.25)
 """Parts of the contrast by which a pixel may differ from the fit, round by round."""
 OUTLIER_DEVIATIONS = 4.0
 LEAST_PIXELS_PER_VALUE = 2
-ITERATIONS = 20
+ITERATIONS = 15
 DAMPING = 1e-3
 STILL = 1e-3
-MOVED = 0.5
+MOVED = 0.1
+TINY = 1e-12
 HOPELESS = 0.2
 MODEL_ERROR = 0.002
 """pixel; what edges that are not blurred by a normal distribution add to the noise."""
@@ -84,21 +86,21 @@ def fit(pattern: Pattern, image: np.ndarray, shape: np.ndarray) -> Fit | None:
 
     Returns None where the target is not whole in the image, or where the fit does not come to rest.
     """
-    origin, values = shape[:2], None
+    origin, state = shape[:2], None
     for tolerance in TOLERANCES:
         patch = cut(pattern, image, shape)
         if patch is None:
             return None
         problem = _Problem(pattern, patch, origin)
-        start = problem.lit(shape) if values is None else values
-        values = problem.converge(start, problem.near(start, tolerance))
-        if values is None or problem.quality(values) < HOPELESS:
+        start = problem.lit(shape) if state is None else problem.state(state.values)
+        state = problem.converge(start, problem.near(start, tolerance))
+        if state is None or problem.quality(state) < HOPELESS:
             return None
-        shape = values[LIGHT:]
-        used = problem.near(values, TOLERANCES[-1])
-        if used.all() and np.hypot(*(values - start)[LIGHT : LIGHT + 2]) < MOVED:
+        shape = state.values[LIGHT:]
+        used = problem.near(state, TOLERANCES[-1])
+        if used.all() and np.hypot(*(state.values - start.values)[CENTRE]) < MOVED:
             break
-    return problem.result(values, used)
+    return problem.result(state, used)
 
 
 def cut(pattern: Pattern, image: np.ndarray, shape: np.ndarray) -> Patch | None:
@@ -117,36 +119,44 @@ def cut(pattern: Pattern, image: np.ndarray, shape: np.ndarray) -> Patch | None:
     return Patch(u, v, image[v, u].astype(float))
 
 
+class _State(NamedTuple):
+    """Light and shape, the residual of the image, and the derivatives of the model to the values, (value, pixel)."""
+
+    values: np.ndarray
+    residual: np.ndarray
+    slopes: np.ndarray
+
+
 class _Problem:
-    """Residuals and derivatives of light and pattern on the pixels of a patch; values are light, then shape."""
+    """Light and pattern on the pixels of a patch."""
 
     def __init__(self, pattern: Pattern, patch: Patch, origin: np.ndarray) -> None:
         self.pattern, self.patch = pattern, patch
         self.plane = np.stack([np.ones(patch.u.size), patch.u - origin[0], patch.v - origin[1]])
 
-    def model(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The residual of the image, and the derivatives of the model to the values, (value, pixel)."""
+    def state(self, values: np.ndarray) -> _State:
+        """The model evaluated."""
         m, to_shape = self.pattern.values(values[LIGHT:], self.patch.u, self.patch.v)
-        tone = (1.0 - m * m) * self.pattern.toned
-        light = np.concatenate([self.plane, m * self.plane, tone[None]])
-        slope = values[CONTRAST:TONE] @ self.plane - 2.0 * values[TONE] * m
         slopes = np.zeros((len(values), m.size))
-        slopes[:LIGHT] = light
-        slopes[LIGHT : LIGHT + self.pattern.fitted] = slope * to_shape
-        return self.patch.grey - values[:LIGHT] @ light, slopes
+        slopes[:CONTRAST] = self.plane
+        slopes[CONTRAST:TONE] = m * self.plane
+        slopes[TONE] = (1.0 - m * m) * self.pattern.toned
+        contrast = values[CONTRAST:TONE] @ self.plane - 2.0 * values[TONE] * m
+        slopes[LIGHT : LIGHT + self.pattern.fitted] = contrast * to_shape
+        return _State(values, self.patch.grey - values[:LIGHT] @ slopes[:LIGHT], slopes)
 
-    def lit(self, shape: np.ndarray) -> np.ndarray:
-        """The light that fits a shape best, then the shape."""
-        residual, slopes = self.model(np.append(np.zeros(LIGHT), shape))
-        return np.append(np.linalg.lstsq(slopes[:LIGHT].T, residual, rcond=None)[0], shape)
+    def lit(self, shape: np.ndarray) -> _State:
+        """A shape in the light that fits it best."""
+        dark = self.state(np.append(np.zeros(LIGHT), shape))
+        return self.state(np.append(_step(dark.residual, dark.slopes[:LIGHT], 0.0), shape))
 
-    def near(self, values: np.ndarray, tolerance: float) -> np.ndarray:
+    def near(self, state: _State, tolerance: float) -> np.ndarray:
         """Which pixels lie, as their neighbours do, as near to the fit as noise, or as a part of the contrast."""
         if tolerance == np.inf:
             return np.ones(self.patch.grey.size, dtype=bool)
-        distance = np.abs(self.model(values)[0])
+        distance = np.abs(state.residual)
         noise = 1.4826 * np.median(distance)
-        far = distance > max(OUTLIER_DEVIATIONS * noise, tolerance * abs(values[CONTRAST]))
+        far = distance > max(OUTLIER_DEVIATIONS * noise, tolerance * abs(state.values[CONTRAST]))
         if not far.any():
             return ~far
         u, v = self.patch.u - self.patch.u.min(), self.patch.v - self.patch.v.min()
@@ -154,43 +164,47 @@ class _Problem:
         outliers[v, u] = far
         return ~binary_dilation(outliers)[v, u]
 
-    def converge(self, values: np.ndarray, used: np.ndarray) -> np.ndarray | None:
+    def converge(self, state: _State, used: np.ndarray) -> _State | None:
         """Least squares on some of the pixels; None where it does not come to rest."""
-        residual, slopes = self.model(values)
         damping = DAMPING
         for _ in range(ITERATIONS):
-            trial = values + _step(residual[used], slopes[:, used], damping)
-            trial[LIGHT:] = self.pattern.bounded(trial[LIGHT:])
-            trial_residual, trial_slopes = self.model(trial)
-            moved = np.hypot(*(trial - values)[LIGHT : LIGHT + 2])
-            if np.sum(trial_residual[used] ** 2) <= np.sum(residual[used] ** 2):
-                values, residual, slopes = trial, trial_residual, trial_slopes
-                damping *= 0.1
+            values = state.values + _step(state.residual[used], state.slopes[:, used], damping)
+            values[LIGHT:] = self.pattern.bounded(values[LIGHT:])
+            moved = np.hypot(*(values - state.values)[CENTRE])
+            trial = self.state(values)
+            if np.sum(trial.residual[used] ** 2) <= np.sum(state.residual[used] ** 2):
+                state, damping = trial, 0.1 * damping
             else:
                 damping *= 10.0
             if moved < STILL:
-                return values
+                return state
         return None
 
-    def result(self, values: np.ndarray, used: np.ndarray) -> Fit:
+    def result(self, state: _State, used: np.ndarray) -> Fit:
         """The fit, with the covariance of its centre."""
-        residual, slopes = self.model(values)
-        gain = np.linalg.pinv(slopes[:, used].T)
-        leverage = np.sum(gain * slopes[:, used], axis=0)
-        error = gain[LIGHT : LIGHT + 2] * residual[used] / np.sqrt(1.0 - leverage.clip(max=0.99))
+        slopes, size = _scaled(state.slopes[:, used])
+        gain = np.linalg.solve(slopes @ slopes.T + TINY * np.eye(len(size)), slopes)
+        leverage = np.sum(gain * slopes, axis=0)
+        error = (gain / size)[CENTRE] * state.residual[used] / np.sqrt(1.0 - leverage.clip(max=0.99))
         covariance = error @ error.T + MODEL_ERROR**2 * np.eye(2)
-        return Fit(self.pattern, values[LIGHT:], covariance, float(values[CONTRAST]), max(self.quality(values), 0.0))
+        contrast = float(state.values[CONTRAST])
+        return Fit(self.pattern, state.values[LIGHT:], covariance, contrast, max(self.quality(state), 0.0))
 
-    def quality(self, values: np.ndarray) -> float:
+    def quality(self, state: _State) -> float:
         """The share of the variation, beyond a gradient of the light, that the model explains."""
-        residual, _ = self.model(values)
-        unpatterned = self.patch.grey - self.plane.T @ np.linalg.lstsq(self.plane.T, self.patch.grey, rcond=None)[0]
-        return float(1.0 - np.sum(residual**2) / max(np.sum(unpatterned**2), np.finfo(float).tiny))
+        unpatterned = self.patch.grey - self.plane.T @ _step(self.patch.grey, self.plane, 0.0)
+        return float(1.0 - np.sum(state.residual**2) / max(np.sum(unpatterned**2), np.finfo(float).tiny))
 
 
 def _step(residual: np.ndarray, slopes: np.ndarray, damping: float) -> np.ndarray:
     """A damped Gauss-Newton step; 0 for values on which nothing depends."""
-    size = np.sqrt(np.sum(slopes * slopes, axis=1))
-    scaled = slopes / np.where(size > 0.0, size, 1.0)[:, None]
-    normal = scaled @ scaled.T + damping * np.eye(len(size))
-    return np.linalg.solve(normal, scaled @ residual) / np.where(size > 0.0, size, 1.0)
+    scaled, size = _scaled(slopes)
+    normal = scaled @ scaled.T + (damping + TINY) * np.eye(len(size))
+    return np.linalg.solve(normal, scaled @ residual) / size[:, 0]
+
+
+def _scaled(slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Derivatives with lengths of 1, and what they were divided by, (value, 1)."""
+    size = np.sqrt(np.sum(slopes * slopes, axis=1, keepdims=True))
+    size[size == 0.0] = 1.0
+    return slopes / size, size

@@ -7,7 +7,7 @@ from scipy.special import erf
 from crashkit_cameras.tracking.edge import edge
 from crashkit_cameras.tracking.pattern import Pattern
 
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(6)
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
 PIXEL_VARIANCE = 1.0 / 12.0
 SHARPEST = 0.1
 TYPICAL_BLUR = 0.7

@@ -9,7 +9,7 @@ from scipy.ndimage import maximum_filter
 
 from crashkit_cameras.tracking.pattern import Pattern
 
-LEAST_CORRELATION = 0.6
+LEAST_CORRELATION = 0.5
 FINE_RADIUS = 5.0
 """pixel; an image is made coarser until what is looked for is smaller than twice this."""
 FLAT = 1e-3

@@ -7,13 +7,15 @@ from scipy.stats import chi2
 from crashkit_cameras.dlt import coefficients_of, solve_points
 from crashkit_cameras.projection import Cameras, project_with_derivatives, project_with_point_derivatives
 
-IMPROBABLE = 1e-5
+IMPROBABLE = 1e-7
 """A residual that only one point in so many has by chance is a blunder."""
 CLEAR = 9.0
 """How much better leaving one view out must be than leaving out any other, in squared standard deviations."""
 STEPS = 20
 CLOSE = 1e-9
 """m; a step too short to matter."""
+TINY = 1e-14
+"""Of the information on a point, added so that a point at infinity does no harm."""
 CHUNK = 4000
 """Points at a time, to bound the memory."""
 
@@ -68,13 +70,21 @@ def triangulate_points(cameras: Cameras, covariance: np.ndarray, image: np.ndarr
         return found
     trials = [_solve(cameras, covariance, _hidden(image[:, wrong], view), std[:, wrong]) for view in range(len(cameras))]
     square = np.array([np.where(trial.freedom > 0, trial.square, np.inf) for trial in trials])
-    best = square.argmin(axis=0)
-    clear = np.partition(square, 1, axis=0)[1] - square.min(axis=0) > CLEAR
+    first, second = np.sort(square, axis=0)[:2]
+    clear = second > first + CLEAR
     for view, trial in enumerate(trials):
-        chosen = (best == view) & clear & np.isfinite(square[view]) & ~_improbable(trial)
+        chosen = (square[view] == first) & clear & ~_improbable(trial)
         _replace(found, wrong[chosen], trial, chosen, view)
     _disbelieve(found, _improbable(found))
     return found
+
+
+def excess_noise(cameras: Cameras, covariance: np.ndarray, image: np.ndarray, std: np.ndarray) -> float:
+    """How many times as noisy as `std` the readings are, judged by how well the rays of most points meet; at least 1."""
+    found = _solve(cameras, covariance, image, std)
+    known = found.freedom > 0
+    relative = found.square[known] / chi2.median(found.freedom[known])
+    return max(1.0, float(np.sqrt(np.median(relative)))) if known.any() else 1.0
 
 
 def _improbable(found: Triangulation) -> np.ndarray:
@@ -131,19 +141,31 @@ def _solve_some(
     variance = _by_point(np.where(seen, std[..., None] ** 2, np.ones_like(image))[..., None])
     covariance = by_calibration @ by_calibration.transpose(0, 2, 1) + variance * np.eye(variance.shape[1])
     information = np.linalg.inv(covariance)
-    position = start
-    for _ in range(STEPS):
+
+    def linearised(position: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """How the points follow the readings (point, 3, 2 views), Gauss and Newton's step, and the sum of squares."""
         predicted, derivatives = project_with_point_derivatives(cameras, position)
         residual = _by_point(np.where(seen, image - predicted, 0.0)[..., None])
         slope = _by_point(np.where(seen[..., None], derivatives, 0.0))
         weighted = slope.transpose(0, 2, 1) @ information
-        gain = np.linalg.pinv(weighted @ slope, hermitian=True) @ weighted
-        step = (gain @ residual)[..., 0]
-        position = position + step
-        if np.abs(step).max(initial=0.0) < CLOSE:
+        normal = weighted @ slope
+        ridge = TINY * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(3)
+        gain = np.linalg.solve(normal + ridge, weighted)
+        square = (residual.transpose(0, 2, 1) @ information @ residual)[:, 0, 0]
+        return gain, (gain @ residual)[..., 0], square
+
+    position, share = start, np.ones((len(start), 1))
+    gain, step, square = linearised(position)
+    for _ in range(STEPS):
+        trial = position + share * step
+        trial_gain, trial_step, trial_square = linearised(trial)
+        better = trial_square <= square
+        position, step = np.where(better[:, None], trial, position), np.where(better[:, None], trial_step, step)
+        gain, square = np.where(better[:, None, None], trial_gain, gain), np.where(better, trial_square, square)
+        share = np.where(better[:, None], 1.0, 0.25 * share)
+        if np.abs(share * step).max(initial=0.0) < CLOSE:
             break
     noise = (gain * variance.transpose(0, 2, 1)) @ gain.transpose(0, 2, 1)
-    square = (residual.transpose(0, 2, 1) @ information @ residual)[:, 0, 0]
     return position, noise, -gain @ by_calibration, square
 
 
