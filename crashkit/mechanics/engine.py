@@ -6,7 +6,8 @@ import os
 import sys
 import tempfile
 import threading
-from collections.abc import Iterable, Mapping
+import warnings
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -15,8 +16,10 @@ import numba
 import platformdirs
 from attrs import field, frozen
 
+from crashkit.errors import CrashkitError
 from crashkit.mechanics.laws.emit import emit
-from crashkit.mechanics.laws.source import LawFunction
+from crashkit.mechanics.laws.opaque import OpaqueLawWarning, as_python, emit_opaque, words
+from crashkit.mechanics.laws.source import LawFunction, OutsideSubset
 
 HEADER = '''"""Written by crashkit.mechanics.engine; safe to delete."""
 
@@ -24,7 +27,7 @@ import math
 
 import numpy as np
 from crashkit.mechanics.kernel.arrays import *
-from numba import njit
+from numba import njit, objmode
 
 compiled = njit(nogil=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
@@ -52,11 +55,22 @@ class Engine:
         axes: 1, 2 (plane motion) or 3 (space).
         numbers: each function's number in the compiled dispatch.
         module: the generated module.
+        opaque: why a function runs as plain Python, of those that do.
     """
 
     axes: int
     numbers: Mapping[LawFunction, int]
     module: ModuleType = field(repr=False)
+    opaque: Mapping[LawFunction, str] = field(factory=dict)
+
+    def check_derivatives(self, functions: Iterable[LawFunction]) -> None:
+        """Raise CrashkitError where one of these functions runs as plain Python, and so has none."""
+        for function in functions:
+            if function in self.opaque:
+                raise CrashkitError(
+                    f"expected laws that give sensitivities, found {function.law.name}, which runs as plain Python "
+                    f"({self.opaque[function]})"
+                )
 
 
 def compile_engine(functions: Iterable[LawFunction], axes: int = 1) -> Engine:
@@ -70,7 +84,10 @@ def compile_engine(functions: Iterable[LawFunction], axes: int = 1) -> Engine:
         axes: of the models: 1, 2 (plane motion) or 3 (space).
 
     Raises:
-        CrashkitError: a law holds something that cannot be compiled; names law, line and remedy.
+        CrashkitError: what a law declares and what its functions take do not agree; names law, line and remedy.
+
+    Warns:
+        OpaqueLawWarning: a law holds something that cannot be compiled, and so runs as plain Python.
     """
     ordered = tuple(sorted(set(functions), key=lambda function: (function.law.name, function.sizes, function.part)))
     with LOCK:
@@ -79,15 +96,34 @@ def compile_engine(functions: Iterable[LawFunction], axes: int = 1) -> Engine:
 
 @cache
 def _engine(functions: tuple[LawFunction, ...], axes: int) -> Engine:
-    source = _source(functions, axes)
+    laws, opaque = _laws(functions)
+    for reason in opaque.values():
+        warnings.warn(words(reason), OpaqueLawWarning, stacklevel=3)
+    source = _source(functions, laws, axes)
+    if opaque:  # numba keeps no machine code of what calls Python, and lets no other thread run meanwhile
+        source = source.replace("cache=True", "cache=False").replace("nogil=True, ", "")
     names = (KERNEL / "arrays.py").read_text(encoding="utf-8")
     key = hashlib.sha256(f"{numba.__version__} {sys.version} {names} {source}".encode()).hexdigest()[:20]
     numbers = {function: number for number, function in enumerate(functions)}
-    return Engine(axes, numbers, _load(f"crashkit_engine_{key}", source))
+    python = {number: as_python(function) for function, number in numbers.items() if function in opaque}
+    return Engine(axes, numbers, _load(f"crashkit_engine_{key}", source, python), opaque)
 
 
-def _source(functions: tuple[LawFunction, ...], axes: int) -> str:
-    laws = [f"# {function.law.name} {function.sizes}\n{emit(function, f'law_{n}')}" for n, function in enumerate(functions)]
+def _laws(functions: tuple[LawFunction, ...]) -> tuple[list[str], dict[LawFunction, str]]:
+    """The source of each function, and the reason why some of them run as plain Python."""
+    texts: list[str] = []
+    opaque: dict[LawFunction, str] = {}
+    for number, function in enumerate(functions):
+        try:
+            text = emit(function, f"law_{number}")
+        except OutsideSubset as error:
+            opaque[function] = str(error)
+            text = emit_opaque(function, f"law_{number}", number)
+        texts.append(f"# {function.law.name} {function.sizes}\n{text}")
+    return texts, opaque
+
+
+def _source(functions: tuple[LawFunction, ...], laws: list[str], axes: int) -> str:
     everyone = range(len(functions))
     dispatch = [
         _dispatch("mode", "", "p, o", "0", everyone),
@@ -103,9 +139,7 @@ def _source(functions: tuple[LawFunction, ...], axes: int) -> str:
 def _text(module: str) -> str:
     text = (KERNEL / f"{module}.py").read_text(encoding="utf-8").split(KERNEL_MARK, 1)[1].strip()
     for entry in ENTRIES:
-        text = text.replace(
-            f"@compiled\ndef {entry}(", f'@njit(nogil=True, error_model="numpy", cache=True)\ndef {entry}('
-        )
+        text = text.replace(f"@compiled\ndef {entry}(", f'@njit(nogil=True, error_model="numpy", cache=True)\ndef {entry}(')
     return text
 
 
@@ -116,13 +150,14 @@ def _dispatch(kind: str, first: str, last: str, none: str, numbers: Iterable[int
     return "\n".join([*lines, f"    return {none}"])
 
 
-def _load(name: str, source: str) -> ModuleType:
+def _load(name: str, source: str, python: Mapping[int, Callable[..., float]]) -> ModuleType:
     path = _folder() / f"{name}.py"
     if not path.exists():
         _write(path, source)
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
+    module.__dict__["OPAQUE"] = python
     sys.modules[name] = module
     spec.loader.exec_module(module)
     return module

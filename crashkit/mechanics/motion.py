@@ -34,9 +34,7 @@ BY_JOINT = ("deformation", "deformation_rate", "force")
 XYZ = ("x", "y", "z")
 
 
-def motion_of(
-    record: Record, times: Floats, axes: Sequence[str], names: xr.Coordinates, paths: Sequence[str]
-) -> xr.Dataset:
+def motion_of(record: Record, times: Floats, axes: Sequence[str], names: xr.Coordinates, paths: Sequence[str]) -> xr.Dataset:
     """The motion that a run recorded.
 
     Arguments:
@@ -118,7 +116,11 @@ def dims_of(name: str) -> tuple[str, ...]:
     """The dims of a quantity or of its sensitivity, after time."""
     quantity = name.removesuffix("_sensitivity")
     columns = ("parameter",) if quantity != name else ()
-    return ("joint", *columns) if quantity in BY_JOINT else ("body", "quaternion" if quantity == "orientation" else "axis", *columns)
+    return (
+        ("joint", *columns)
+        if quantity in BY_JOINT
+        else ("body", "quaternion" if quantity == "orientation" else "axis", *columns)
+    )
 
 
 def _variable(name: str, values: Floats) -> xr.Variable:

@@ -36,8 +36,9 @@ class Simulator:
     def __init__(self, model: Model, laws: Laws, engine: Engine | None = None) -> None:
         self.model = model
         self.layout = lay_out(model, laws)
-        self.engine = compile_engine(functions_of(model, laws), len(model.axes)) if engine is None else engine
-        missing = functions_of(model, laws) - self.engine.numbers.keys()
+        self._functions = functions_of(model, laws)
+        self.engine = compile_engine(self._functions, len(model.axes)) if engine is None else engine
+        missing = self._functions - self.engine.numbers.keys()
         if missing:
             names = ", ".join(sorted(f"{function.law.name} {function.sizes}" for function in missing))
             raise CrashkitError(f"model {model.name}: expected an engine that holds its functions, found none for {names}")
@@ -82,7 +83,7 @@ class Simulator:
             orientation is `rotation_sensitivity`, a small rotation vector in the laboratory frame.
 
         Raises:
-            CrashkitError: a path the model does not have, or times that cannot be used.
+            CrashkitError: a path the model does not have, times that cannot be used, or sensitivities of a law that has none.
             SimulationError: the motion is not finite, or it does not get past some time.
         """
         instants = checked(times)
@@ -98,6 +99,8 @@ class Simulator:
         step: float = 1e-4,
     ) -> Record:
         """The same as plain arrays, without the cost of a Dataset; arguments as of `run`, the times unchecked."""
+        if sensitivities:
+            self.engine.check_derivatives(self._functions)
         layout = prepare(self.layout, values or {}, initial)
         work = work_of(layout, self.engine, sensitivities)
         instants = with_knots(times, layout)
@@ -131,7 +134,7 @@ class Simulator:
             The derivative to each parameter, dim `parameter`.
 
         Raises:
-            CrashkitError: a law whose force may jump; a quantity that a motion does not have.
+            CrashkitError: a law whose force may jump, or that has no derivatives; a quantity that a motion does not have.
         """
         instants = checked(times)
         paths = list(self.model.free_parameters() if parameters is None else parameters)
@@ -149,6 +152,7 @@ class Simulator:
         step: float = 1e-4,
     ) -> Floats:
         """The same from plain arrays: `seeds` (time, entry) are the weights of a record's entries, all but quaternions."""
+        self.engine.check_derivatives(self._functions)
         layout = prepare(self.layout, values or {}, initial)
         work = work_of(layout, self.engine, ())
         instants = with_knots(times, layout)

@@ -10,6 +10,8 @@ from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.protocols import ParameterSpec, SpringLaw
 
 TIMES = np.linspace(0.0, 0.08, 33)
+
+
 def every_path(model, axes):
     index = [""] if axes == 1 else [f"[{i}]" for i in range(axes)]
     spin = {1: [], 2: [""], 3: ["[0]", "[1]", "[2]"]}[axes]
@@ -47,9 +49,7 @@ def test_the_gradient_of_a_misfit_agrees_with_differences(laws, car):
     gradient = simulator.adjoint(TIMES, motion[["position"]] * 2.0)
     for path in ("joint.face.crush_force", "joint.line.elastic_stiffness", "joint.stop.stop_deformation", "body.rear.mass"):
         value = simulator.model.parameters()[path].value
-        above, below = (
-            float((simulator.run(TIMES, {path: value * (1.0 + h)})["position"] ** 2).sum()) for h in (1e-5, -1e-5)
-        )
+        above, below = (float((simulator.run(TIMES, {path: value * (1.0 + h)})["position"] ** 2).sum()) for h in (1e-5, -1e-5))
         assert float(gradient.sel(parameter=path)) == pytest.approx((above - below) / (2e-5 * value), rel=1e-6), path
 
 

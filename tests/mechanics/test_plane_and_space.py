@@ -60,7 +60,9 @@ def test_a_free_body_in_the_plane_keeps_its_speed_and_turns_steadily(simulate):
     times = np.linspace(0.0, 1.0, 11)
     free = body("free", (1.0, 2.0), (3.0, -1.0), orientation=(0.2,), angular_velocity=(5.0,))
     motion = simulate(Model("free", ("x", "z"), (free,), ()), times)
-    np.testing.assert_allclose(motion["position"].values[:, 0], [1.0, 0.0, 2.0] + np.outer(times, [3.0, 0.0, -1.0]), atol=1e-13)
+    np.testing.assert_allclose(
+        motion["position"].values[:, 0], [1.0, 0.0, 2.0] + np.outer(times, [3.0, 0.0, -1.0]), atol=1e-13
+    )
     np.testing.assert_allclose(motion["angular_velocity"].values[:, 0], np.tile([0.0, -5.0, 0.0], (11, 1)))
     turned = Rotation.from_quat(motion["orientation"].values[:, 0], scalar_first=True).apply([1.0, 0.0, 0.0])
     angles = 0.2 + 5.0 * times
@@ -245,7 +247,9 @@ def paths_of(model, axes):
         for quantity in ("position", "velocity"):
             yield from (f"body.{entry.name}.{quantity}[{i}]" for i in range(axes))
         for quantity in ("rotation", "angular_velocity"):
-            yield from (f"body.{entry.name}.{quantity}" + ("" if axes == 2 else f"[{i}]") for i in range(1 if axes == 2 else 3))
+            yield from (
+                f"body.{entry.name}.{quantity}" + ("" if axes == 2 else f"[{i}]") for i in range(1 if axes == 2 else 3)
+            )
     for joint in model.joints:
         yield from (f"joint.{joint.name}.points[{end}][{i}]" for end in range(2) for i in range(axes))
 
@@ -331,7 +335,11 @@ def test_a_given_force_and_gravity_move_a_free_body(laws, axes):
 def test_an_imposed_motion_is_followed_exactly_and_drives_the_others(laws, axes):
     samples = np.linspace(-0.01, 0.21, 45)
     rows = np.column_stack([0.05 * np.sin(30.0 * samples), *[0.1 * samples] * (axes - 1)])
-    orientation = {1: (), 2: 2.0 * samples[:, None], 3: Rotation.from_rotvec(np.outer(samples, [0, 0, 2.0])).as_quat(scalar_first=True)}
+    orientation = {
+        1: (),
+        2: 2.0 * samples[:, None],
+        3: Rotation.from_rotvec(np.outer(samples, [0, 0, 2.0])).as_quat(scalar_first=True),
+    }
     imposed = GivenMotion(tuple(samples), tuple(map(tuple, rows)), tuple(map(tuple, orientation[axes])))
     driver = Body("driver", (9.0,) * axes, (9.0,) * axes, motion=imposed)
     inertia = {1: (), 2: (2.0,), 3: (2.0, 2.0, 2.0)}[axes]

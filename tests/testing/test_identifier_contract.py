@@ -36,10 +36,29 @@ class Reference(Identifier[State]):
         return State(found.x, Status.CONVERGED)
 
     def finish(self, problem, state):
-        values = problem.parameters(state.point)
-        return Identification(
-            xr.Dataset({"value": ("parameter", values)}, {"parameter": list(problem.names)}), state.status, 0.0
+        values, names = problem.parameters(state.point), list(problem.names)
+        residual, jacobian = problem.residual_and_jacobian(state.point)
+        covariance = np.linalg.pinv(jacobian.T @ jacobian) * np.outer(values, values)
+        std = np.sqrt(np.diag(covariance))
+        lower, upper = (problem.parameters(bound) for bound in problem.bounds())
+        columns = {
+            "value": values,
+            "std": std,
+            "interval_lower": values - 2.0 * std,
+            "interval_upper": values + 2.0 * std,
+            "lower": lower,
+            "upper": upper,
+            "at_bound": (values <= lower) | (values >= upper),
+            "identifiable": std < values,
+            "units": np.full(len(names), ""),
+        }
+        table = xr.Dataset(
+            {name: ("parameter", column) for name, column in columns.items()}
+            | {"covariance": (("parameter", "parameter_2"), covariance)},
+            {"parameter": names, "parameter_2": names},
         )
+        path = xr.Dataset({"cost": ("step", [0.5 * residual @ residual])})
+        return Identification(table, state.status, 0.0, path=path)
 
 
 class TestReference(IdentifierContract):
@@ -90,10 +109,26 @@ class Boastful(Reference):
         return State(problem.start(), Status.CONVERGED)
 
 
+class Bare(Reference):
+    """Says no more than the values."""
+
+    def finish(self, problem, state):
+        whole = super().finish(problem, state)
+        return evolve(whole, parameters=whole.parameters[["value"]])
+
+
+class Overconfident(Reference):
+    """Is a little off, and sure of it."""
+
+    def finish(self, problem, state):
+        whole = super().finish(problem, state)
+        return evolve(whole, parameters=whole.parameters.assign(std=1e-6 * whole.parameters["value"]))
+
+
 @pytest.fixture(scope="module")
 def problem():
-    truth = toys.one_degree()
-    return toys.problem(truth, toys.start_from(truth, 0.8), load().spring_laws)
+    truth, registry = toys.one_degree(), load()
+    return toys.problem(truth, toys.start_from(truth, 0.8), registry.spring_laws, registry.observers)
 
 
 FAULTS = [
@@ -102,6 +137,8 @@ FAULTS = [
     ("test_a_step_leaves_a_search_that_has_ended_alone", Restless, "a step moved a search that had ended"),
     ("test_a_state_can_be_kept_and_resumed", Forgetful, "expected the same result, found another"),
     ("test_a_search_that_is_stopped_says_so", Boastful, "expected not CONVERGED, found CONVERGED"),
+    ("test_a_result_is_complete", Bare, "found none of at_bound, identifiable"),
+    ("test_with_noise_it_claims_no_more_than_it_knows", Overconfident, "within 4 of its standard deviation"),
 ]
 
 
@@ -109,6 +146,16 @@ FAULTS = [
 def test_a_fault_is_found(problem, test, faulty, message):
     with pytest.raises(AssertionError, match=message):
         getattr(IdentifierContract(), test)(faulty(), problem)
+
+
+class OnlyHonest(IdentifierContract):
+    recovers = ()
+
+
+def test_of_a_toy_that_is_not_declared_only_honesty_is_asked(problem):
+    OnlyHonest().test_recovers_one_degree_of_freedom(Reference(), problem)
+    with pytest.raises(AssertionError, match="within 4 of its standard deviation"):
+        OnlyHonest().test_recovers_one_degree_of_freedom(GivesUp(), problem)
 
 
 def test_a_search_without_end_is_found(problem):

@@ -30,7 +30,11 @@ BODY = np.dtype(
         ("mass_column", np.int64),  # the column that is its mass, or -1
         ("inertia", np.float64, (2, 3, 3)),  # kg m2 about its own axes, and the inverse; 0 for a body that no moment turns
         ("inertia_columns", np.int64, (6,)),  # the columns that are xx, yy, zz, xy, xz, yz, or -1
-        ("frame", np.float64, (13,)),  # rotation matrix of the stage by rows, unit quaternion at the last step; plane: cos, sin
+        (
+            "frame",
+            np.float64,
+            (13,),
+        ),  # rotation matrix of the stage by rows, unit quaternion at the last step; plane: cos, sin
         ("net", np.float64, (2, 6)),  # force and moment at the stage: of its joints, and with what is given
     ],
     align=True,
@@ -40,7 +44,11 @@ JOINT = np.dtype(
         ("first", np.int64),  # its two bodies
         ("second", np.int64),
         ("face", np.int64),  # 1 where it pushes along the normal of a face of its first body, not along its own line
-        ("places", np.float64, (9,)),  # m, the attachments in their bodies' frames and the normal of the face, three numbers each
+        (
+            "places",
+            np.float64,
+            (9,),
+        ),  # m, the attachments in their bodies' frames and the normal of the face, three numbers each
         ("point_columns", np.int64, (6,)),  # the columns that are coordinates of the attachments, the axes of the model, or -1
         ("aim", np.float64, (3,)),  # direction at the end of the last step; 0 before the first
         ("rest", np.float64),  # m, distance at which the deformation is 0

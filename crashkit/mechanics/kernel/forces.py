@@ -3,11 +3,14 @@
 
 import math
 
-from crashkit.mechanics.kernel.arrays import JOINTS, TOTAL
+from crashkit.mechanics.kernel.arrays import JOINTS, NONE, TOTAL
 from crashkit.mechanics.kernel.line import DOF, locate, measure, rates, respond
 from crashkit.mechanics.kernel.stand_ins import compiled, law_frozen
 
 # ---- compiled from here ----
+
+ROUNDING = 1e-13
+"""m and m s-1, by which a joint may seem to turn round only because of rounding: bodies that move alike, for example."""
 
 
 @compiled
@@ -28,9 +31,9 @@ def kinematics(bodies, joint, state, row):
 def joint_force(joint, functions, parameters, state, row, d, ddot):
     """Force of a joint on its frozen branches, and its smallest guard; the rates of its memories go to the state."""
     size = state.shape[1] // 2
-    d_max, guard = joint.d_max, joint.d_max - d
+    d_max, guard = joint.d_max, joint.d_max - d + ROUNDING
     if joint.loading:
-        d_max, guard = d, ddot
+        d_max, guard = d, ddot + ROUNDING
     force = 1.0
     for f in range(joint.start, joint.stop):
         function = functions[f]

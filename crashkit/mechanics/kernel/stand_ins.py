@@ -25,7 +25,5 @@ def law_partials(
     """Value, and into `out` its derivatives to d, ddot, d_max, z and the parameters."""
 
 
-def law_guard(
-    number: int, mode: int, d: float, ddot: float, d_max: float, z: float, p: Floats, o: int, out: Floats
-) -> float:
+def law_guard(number: int, mode: int, d: float, ddot: float, d_max: float, z: float, p: Floats, o: int, out: Floats) -> float:
     """Smallest guard, and into `out` its derivatives, for a function whose value may jump; infinity for the others."""

@@ -12,7 +12,7 @@ is ddot; otherwise d_max stands still and its guard is d_max - d.
 
 import math
 
-from crashkit.mechanics.kernel.arrays import END, START
+from crashkit.mechanics.kernel.arrays import END, NONE, START
 from crashkit.mechanics.kernel.forces import accelerate, kinematics
 from crashkit.mechanics.kernel.line import DOF, locate
 from crashkit.mechanics.kernel.stand_ins import compiled, law_mode

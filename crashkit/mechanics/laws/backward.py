@@ -42,7 +42,7 @@ def _back_through(branch: Branch, known: set[str], of_leaf: OfLeaf, of_branch: O
     lines += when(taken(branch), *sides)
     if guard is not None and branch.bit is not None:
         side = f"(1.0 if mode & {1 << branch.bit} else -1.0)"
-        lines += when(f"nearest == {branch.bit}", _contributions(guard, side, known), [])
+        lines += when(f"nearest == {branch.bit}", list(_contributions(guard, side, known)), [])
     return lines
 
 
@@ -99,11 +99,13 @@ def _slopes(op: ast.operator, left: ast.expr, right: ast.expr) -> tuple[str, str
 
 def _power(base: str, exponent: ast.expr) -> str:
     """The derivative of a power to its base."""
-    if not isinstance(exponent, ast.Constant):
-        return f"{ast.unparse(exponent)} * {base} ** ({ast.unparse(exponent)} - 1.0)"
-    if exponent.value == 2.0:
-        return f"2.0 * {base}"
-    return f"{exponent.value} * {base} ** {exponent.value - 1.0}"
+    match exponent:
+        case ast.Constant(value=2.0):
+            return f"2.0 * {base}"
+        case ast.Constant(value=float() as number):
+            return f"{number} * {base} ** {number - 1.0}"
+        case _:
+            return f"{ast.unparse(exponent)} * {base} ** ({ast.unparse(exponent)} - 1.0)"
 
 
 def _times(seed: str, slope: str) -> str:

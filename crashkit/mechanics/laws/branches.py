@@ -30,8 +30,13 @@ class Branches(ABC):
         """The same value without branches, which go to `out` before it."""
 
     def fresh(self, name: str) -> str:
+        """A variable that nothing else is called."""
         self.variables += 1
         return f"{name}_{self.variables}"
+
+    def bind(self, name: str, value: ast.expr, out: Statements) -> None:
+        """Let a name stand for a value from here on."""
+        self.scope[name] = self.named(value, out, name)
 
     def named(self, value: ast.expr, out: Statements, name: str = "part") -> ast.expr:
         """A variable or constant of this value, so that what reads it twice computes it once."""
@@ -44,6 +49,7 @@ class Branches(ABC):
         return name_of(variable)
 
     def is_dynamic(self, expression: ast.expr) -> bool:
+        """Whether a value depends on the state."""
         return not self.dynamic.isdisjoint(names_in(expression))
 
     def fork(self, test: ast.expr, body: Filler, orelse: Filler, out: Statements) -> None:

@@ -12,8 +12,9 @@ from collections.abc import Callable, Iterable, Iterator
 
 from crashkit.mechanics.laws.backward import go_back
 from crashkit.mechanics.laws.lower import lower
+from crashkit.mechanics.laws.own_branches import emit_own, has_own_branches
 from crashkit.mechanics.laws.program import Assign, Block, Branch, Program, Return, tests_of
-from crashkit.mechanics.laws.source import LawFunction
+from crashkit.mechanics.laws.source import LawFunction, OutsideSubset
 from crashkit.mechanics.laws.text import indented, taken, when
 
 Leaf = Callable[[Return], Iterable[str]]
@@ -23,7 +24,16 @@ DECORATOR = "@compiled"
 
 
 def emit(function: LawFunction, name: str) -> str:
-    """Source of `name_mode`, `name_frozen`, `name_partials` and, if the law may jump, `name_guard`."""
+    """Source of `name_mode`, `name_frozen`, `name_partials` and, if the law may jump, `name_guard`.
+
+    Raises:
+        CrashkitError: what a law declares and what its functions take do not agree; names law, line and remedy.
+        OutsideSubset: the law can only run as plain Python.
+    """
+    if function.law.opaque:
+        raise OutsideSubset(f"spring law {function.law.name}: declared opaque")
+    if has_own_branches(function):
+        return emit_own(function, name)
     program = lower(function)
     parts = [_mode, _frozen, _partials, *([_guard] if function.law.jumps else [])]
     return "\n\n".join(part(program, name) for part in parts)

@@ -89,9 +89,6 @@ class _Lowering(Branches):
             case _:
                 self.source.refuse(statement, f"`{ast.unparse(statement).splitlines()[0]}`", SUBSET)
 
-    def bind(self, name: str, value: ast.expr, out: Statements) -> None:
-        self.scope[name] = self.named(value, out, name)
-
     def bind_all(self, statement: ast.stmt, names: list[ast.expr], values: list[ast.expr], out: Statements) -> None:
         for name, value in zip(names, values, strict=True):
             if not isinstance(name, ast.Name):
@@ -105,7 +102,7 @@ class _Lowering(Branches):
                 yield ast.copy_location(ast.Assign([target], ast.copy_location(value, loop)), loop)
             yield from loop.body
 
-    def rounds(self, loop: ast.For) -> Iterator[list[ast.expr]]:
+    def rounds(self, loop: ast.For) -> Iterator[Sequence[ast.expr]]:
         """What the targets of a loop are in each of its rounds."""
         match loop.iter, loop.target:
             case ast.Call(func=ast.Name(id="range"), args=limits), ast.Name():

@@ -53,12 +53,15 @@ class Estimate:
         cameras, points: (point, 3).
         cost: the negative logarithm of the posterior density, but for a constant.
         covariance: of the cameras' steps, (16 view, 16 view).
+        log_evidence: the logarithm of the readings' probability, whatever the cameras (Laplace's approximation), but for a
+            constant of the readings: by it, rival expectations of the cameras are compared.
     """
 
     cameras: Cameras
     points: np.ndarray
     cost: float
     covariance: np.ndarray
+    log_evidence: float
 
 
 def robust_weight(square: np.ndarray) -> np.ndarray:
@@ -93,7 +96,9 @@ def adjust(cameras: Cameras, points: np.ndarray, readings: Readings, expectation
         if before - cost < ENOUGH:
             break
     covariance = normal_equations(cameras, points, readings, expectation).covariance()
-    return Estimate(cameras, points, cost, covariance)
+    free = ~expectation.held().ravel()
+    volume = 0.5 * np.linalg.slogdet(2.0 * np.pi * covariance[np.ix_(free, free)])[1]
+    return Estimate(cameras, points, cost, covariance, float(volume - cost + expectation.log_peak))
 
 
 @frozen(eq=False)

@@ -9,8 +9,8 @@ from crashkit_cameras.bundle import Estimate, Readings, adjust, posterior_cost
 from crashkit_cameras.control import Control, control_of, image_coverage, marker_images
 from crashkit_cameras.dlt import LINEAR, fit_linear
 from crashkit_cameras.noise import USUAL, blunders, first_std, updated_std
-from crashkit_cameras.prior import Expectation, Frame, Prior, expectation, frame_of
-from crashkit_cameras.projection import PARAMETERS, project
+from crashkit_cameras.prior import DISTORTION, Expectation, Frame, Prior, expectation, frame_of
+from crashkit_cameras.projection import PARAMETERS, Cameras, project
 from crashkit_cameras.result import Calibration
 from crashkit_cameras.start import start_cameras
 from crashkit_cameras.triangulation import excess_noise, triangulate_points
@@ -57,22 +57,22 @@ def calibrate(instrument: xr.Dataset, markers: bool = True, prior: Prior = IDEAL
     linear = [fit_linear(control.points[s], i[s]) for s, i in zip(control.seen, control.image, strict=True)]
     recorded, std = _marker_readings(instrument) if markers else (control.image[:, :0], np.zeros(0))
     frame = frame_of(np.concatenate([control.image, recorded], axis=1), _image_size(instrument))
-    alone = _from_control(control, frame, prior)
-    fit = _with_markers(alone, recorded, std) if recorded.size else alone
+    cameras = start_cameras(control, frame, prior)
+    expected = expectation(prior, frame, cameras.focal)
+    alone = _from_control(control, cameras, expected)
+    fit = _with_markers(alone, expected, recorded, std) if recorded.size else alone
     contradiction = fit is not alone and _contradict(alone, fit)
     return _judged(control, frame, [one.condition for one in linear], alone if contradiction else fit, contradiction)
 
 
-def _from_control(control: Control, frame: Frame, prior: Prior) -> _Fit:
-    cameras = start_cameras(control, frame, prior)
+def _from_control(control: Control, cameras: Cameras, expected: Expectation) -> _Fit:
     readings = Readings(control.image, np.full(control.seen.shape, USUAL), control.points, control.std)
     readings = evolve(readings, std=first_std(cameras, readings))
-    expected = expectation(prior, frame, cameras.focal)
     estimate = adjust(cameras, control.points, readings, expected)
-    return _settled(_Fit(estimate, readings, expected), np.zeros(0))
+    return _simplest(_settled(_Fit(estimate, readings, expected), np.zeros(0)), np.zeros(0))
 
 
-def _with_markers(alone: _Fit, recorded: np.ndarray, std: np.ndarray) -> _Fit:
+def _with_markers(alone: _Fit, expected: Expectation, recorded: np.ndarray, std: np.ndarray) -> _Fit:
     """Control points and markers together; `std` (point,) of the markers' readings is NaN where it is not known."""
     control = alone.readings
     cameras, covariance = alone.estimate.cameras, alone.estimate.covariance
@@ -89,8 +89,9 @@ def _with_markers(alone: _Fit, recorded: np.ndarray, std: np.ndarray) -> _Fit:
         np.concatenate([control.known_std, np.full(len(places), np.inf)]),
     )
     start = np.concatenate([alone.estimate.points, places])
-    estimate = adjust(cameras, start, readings, alone.expectation)
-    return _settled(_Fit(estimate, readings, alone.expectation), std[believed])
+    estimate = adjust(cameras, start, readings, expected)
+    fit = _settled(_Fit(estimate, readings, expected), std[believed])
+    return _simplest(fit, std[believed])
 
 
 def _settled(fit: _Fit, marker_std: np.ndarray) -> _Fit:
@@ -106,6 +107,18 @@ def _settled(fit: _Fit, marker_std: np.ndarray) -> _Fit:
         if change < SETTLED:
             break
     return _Fit(estimate, readings, fit.expectation)
+
+
+def _simplest(fit: _Fit, marker_std: np.ndarray) -> _Fit:
+    """The fit without distortion, where the readings are the more probable for it."""
+    if not np.isfinite(fit.expectation.scale[:, DISTORTION]).all():
+        return fit
+    expected = fit.expectation.without_distortion()
+    cameras = evolve(fit.estimate.cameras, distortion=np.zeros_like(fit.estimate.cameras.distortion))
+    estimate = adjust(cameras, fit.estimate.points, fit.readings, expected)
+    if estimate.log_evidence <= fit.estimate.log_evidence:
+        return fit
+    return _settled(_Fit(estimate, fit.readings, expected), marker_std)
 
 
 def _contradict(alone: _Fit, together: _Fit) -> bool:

@@ -3,7 +3,8 @@
 import math
 
 import numpy as np
-from attrs import frozen
+from attrs import evolve, frozen
+from scipy.special import gammaln
 
 from crashkit_cameras.projection import PARAMETERS, Cameras
 
@@ -30,7 +31,11 @@ class Prior:
     decentring: float = 2e-4
 
 
+DISTORTION = slice(11, PARAMETERS)
 GUESSED = 0.1
+NORMAL_CORNER = 0.55
+"""Distance of the image's corner from its middle over the focal length, of a normal lens; wider ones distort as it does
+within that distance, hence more in their corners."""
 PIXEL_TAIL, CENTRE_TAIL, LENS_TAIL = 1.0, 4.0, 4.0
 """Degrees of freedom: pixels are square or not at all, centres and lenses are good or less good."""
 UNKNOWN = Prior(math.inf, math.inf, (math.inf,) * 3, math.inf)
@@ -60,6 +65,12 @@ class Expectation:
     scale: np.ndarray
     tail: np.ndarray
 
+    @property
+    def log_peak(self) -> float:
+        """The logarithm of the density at the mean, which `cost` leaves out."""
+        tail, scale = self.tail[self._known()], self.scale[self._known()]
+        return float((gammaln(0.5 * tail + 0.5) - gammaln(0.5 * tail) - 0.5 * np.log(np.pi * tail) - np.log(scale)).sum())
+
     def cost(self, cameras: Cameras) -> float:
         """The negative logarithm of the density, but for a constant."""
         tail = self.tail[self._known()]
@@ -76,6 +87,12 @@ class Expectation:
     def difference(self, cameras: Cameras) -> np.ndarray:
         """number - mean, (view, 16)."""
         return cameras.numbers() - self.mean
+
+    def without_distortion(self) -> "Expectation":
+        """The same of cameras whose lenses do not distort."""
+        scale = self.scale.copy()
+        scale[:, DISTORTION] = 0.0
+        return evolve(self, scale=scale)
 
     def held(self) -> np.ndarray:
         """Which numbers are not to be changed at all, (view, 16)."""
@@ -97,7 +114,7 @@ def expectation(prior: Prior, frame: Frame, focal: np.ndarray) -> Expectation:
         frame: of their images.
         focal: (view,), pixel, roughly.
     """
-    corner = frame.half_diagonal / focal
+    corner = np.minimum(frame.half_diagonal / focal, NORMAL_CORNER)
     mean, scale = np.zeros((len(focal), PARAMETERS)), np.full((len(focal), PARAMETERS), np.inf)
     tail = np.full_like(mean, LENS_TAIL)
     mean[:, 9:11] = frame.middle

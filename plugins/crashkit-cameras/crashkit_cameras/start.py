@@ -54,4 +54,4 @@ def _best(
     readings = evolve(readings, std=np.min([first_std(camera, readings) for camera in candidates], axis=0))
     expected = expectation(prior, frame, candidates[0].focal)
     estimates = [adjust(camera, readings.known, readings, expected) for camera in candidates]
-    return min(estimates, key=lambda estimate: estimate.cost), readings, expected
+    return max(estimates, key=lambda estimate: estimate.log_evidence), readings, expected

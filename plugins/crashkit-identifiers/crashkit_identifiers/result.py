@@ -57,6 +57,8 @@ def conclude(
         seen = np.sqrt(np.diag(found.spread)) if found.is_far else half / CONFIDENCE
         covariance = spread * np.outer(scaling, scaling)
     size = np.maximum(np.abs(values), _spans(problem, lower, upper)) / scaling
+    # An end that only a distant bound sets is none.
+    is_open = ((low <= lower) & (point - lower > UNSEEN_STD * size)) | ((high >= upper) & (upper - point > UNSEEN_STD * size))
     columns = {
         "value": values,
         "std": std * scaling,
@@ -65,7 +67,7 @@ def conclude(
         "lower": problem.parameters(lower),
         "upper": problem.parameters(upper),
         "at_bound": held,
-        "identifiable": ~held & (seen < UNSEEN_STD * size),
+        "identifiable": ~held & (seen < UNSEEN_STD * size) & (~is_open | found.is_far),
     }
     table = _table(problem, columns).assign(covariance=(("parameter", "parameter_2"), covariance))
     table.attrs = {"normalised_residual": fit.normalised, "remarks": " ".join(_remarks(names, fit, found))}

@@ -12,6 +12,7 @@ from crashkit.misfit import Misfit
 from crashkit.protocols import Status
 from crashkit.registry import load
 from crashkit.testing import IdentifierContract, toys
+from crashkit_identifiers.run import run
 from crashkit_identifiers.sensitivity import Sensitivity
 
 
@@ -70,10 +71,8 @@ class TestSensitivity(IdentifierContract):
 
 def exact(truth, speeds):
     """A toy whose recordings are not even rounded, started 20 % off."""
-    problem = toys.problem(truth, toys.start_from(truth, 0.8), load().spring_laws, speeds=speeds)
-    motions = [problem.simulator.run(problem.times, initial=state) for state in problem.initial]
-    problem.recorded = tuple(motion["position"].isel(axis=0).values for motion in motions)
-    return problem
+    registry = load()
+    return toys.problem(truth, toys.start_from(truth, 0.8), registry.spring_laws, registry.observers, speeds, exact=True)
 
 
 @pytest.mark.parametrize(
@@ -82,7 +81,7 @@ def exact(truth, speeds):
     ids=["one degree", "two degrees"],
 )
 def test_a_model_is_recovered_from_its_own_motion(truth, speeds):
-    found = Sensitivity().run(exact(truth, speeds))
+    found = run(Sensitivity(), exact(truth, speeds))
     assert found.status is Status.CONVERGED
     for path, parameter in truth.free_parameters().items():
         assert found.values[path] == pytest.approx(parameter.value, rel=1e-8), path
@@ -90,7 +89,7 @@ def test_a_model_is_recovered_from_its_own_motion(truth, speeds):
 
 def test_a_linear_problem_has_the_covariance_of_linear_regression():
     noisy = MATRIX @ TRUTH + np.random.default_rng(1).normal(size=40)
-    found = Sensitivity().run(linear(MATRIX, noisy, np.zeros(3)))
+    found = run(Sensitivity(), linear(MATRIX, noisy, np.zeros(3)))
     best, cost, *_ = np.linalg.lstsq(MATRIX, noisy)
     assert found.parameters["value"].values == pytest.approx(best)
     assert found.parameters["covariance"].values == pytest.approx(np.linalg.inv(MATRIX.T @ MATRIX))
@@ -100,19 +99,18 @@ def test_a_linear_problem_has_the_covariance_of_linear_regression():
 
 def test_the_covariance_of_a_logarithm_is_told_in_the_parameters_own_unit():
     truth = np.array([2.0, 30.0, 0.4])
-    found = Sensitivity().run(linear(MATRIX, MATRIX @ truth, truth * 1.2, 1e-3, 1e3, log=True))
+    found = run(Sensitivity(), linear(MATRIX, MATRIX @ truth, truth * 1.2, 1e-3, 1e3, log=True))
     assert found.parameters["value"].values == pytest.approx(truth)
     assert found.parameters["covariance"].values == pytest.approx(np.linalg.inv(MATRIX.T @ MATRIX), rel=1e-6)
 
 
 def test_the_stated_deviation_is_the_scatter_of_repeated_tests():
     truth = toys.one_degree()
-    problem, random = exact(truth, (1.0,)), np.random.default_rng(2)
-    problem.model, clean, std = truth, problem.recorded[0], 1e-3
+    problem, random, registry = exact(truth, (1.0,)), np.random.default_rng(2), load()
     values = []
     for _ in range(30):
-        problem.recorded = (clean + random.normal(0.0, std, clean.shape),)
-        found = Sensitivity(least_drop=1e-3).run(problem)
+        noisy = {run: toys.noisy(tree, 0.01, random) for run, tree in problem.recordings.items()}
+        found = run(Sensitivity(least_drop=1e-3), Misfit(truth, noisy, registry.spring_laws, registry.observers))
         values.append(found.parameters["value"].values)
     stated = found.parameters["std"].values
     assert np.std(values, axis=0, ddof=1) == pytest.approx(stated, rel=0.45)  # 3.4 sigma of 30 draws
@@ -125,14 +123,14 @@ def test_within_bounds_it_finds_what_bounded_least_squares_finds():
     for _ in range(30):
         matrix, target = random.normal(size=(6, 3)), 5.0 * random.normal(size=6)
         lower, upper = -random.uniform(0.1, 2.0, 3), random.uniform(0.1, 2.0, 3)
-        found = Sensitivity().run(linear(matrix, target, np.zeros(3), lower, upper))
+        found = run(Sensitivity(), linear(matrix, target, np.zeros(3), lower, upper))
         best = lsq_linear(matrix, target, (lower, upper), tol=1e-14)
         assert found.cost == pytest.approx(best.cost, rel=1e-6, abs=1e-9)
         assert np.all((found.parameters["value"].values >= lower) & (found.parameters["value"].values <= upper))
 
 
 def test_a_parameter_at_its_bound_says_so_and_has_no_deviation():
-    table = Sensitivity().run(linear(MATRIX, MATRIX @ TRUTH, np.zeros(3), -1.0, 3.0)).parameters
+    table = run(Sensitivity(), linear(MATRIX, MATRIX @ TRUTH, np.zeros(3), -1.0, 3.0)).parameters
     assert table["at_bound"].values.tolist() == [False, True, False]
     assert table["value"].values[1] == -1.0
     assert np.isnan(table["std"].values[1])
@@ -142,13 +140,13 @@ def test_a_parameter_at_its_bound_says_so_and_has_no_deviation():
 
 
 def test_a_start_outside_the_bounds_is_brought_inside():
-    found = Sensitivity().run(linear(MATRIX, MATRIX @ TRUTH, np.full(3, 50.0), -5.0, 5.0))
+    found = run(Sensitivity(), linear(MATRIX, MATRIX @ TRUTH, np.full(3, 50.0), -5.0, 5.0))
     assert found.parameters["value"].values == pytest.approx(TRUTH)
 
 
 def test_a_parameter_that_the_data_do_not_see_is_named():
     blind = MATRIX * [1.0, 0.0, 1.0]
-    found = Sensitivity().run(linear(blind, blind @ TRUTH, np.ones(3)))
+    found = run(Sensitivity(), linear(blind, blind @ TRUTH, np.ones(3)))
     assert found.unseen == ("b is not seen by these recordings",)
     assert found.parameters["identifiable"].values.tolist() == [True, False, True]
 
@@ -157,7 +155,7 @@ def test_a_parameter_that_the_data_do_not_see_is_named():
 def test_a_combination_that_the_data_do_not_see_is_named(sign, told):
     matrix = MATRIX.copy()
     matrix[:, 2] = sign * matrix[:, 0]
-    found = Sensitivity().run(linear(matrix, matrix @ [2.0, 1.0, 2.0], [1.5, 1.0, 1.5]))
+    found = run(Sensitivity(), linear(matrix, matrix @ [2.0, 1.0, 2.0], [1.5, 1.0, 1.5]))
     assert len(found.unseen) == 1
     first, second = ("a", "c") if found.unseen[0].startswith("only a combination is seen: a") else ("c", "a")
     assert found.unseen == (f"only a combination is seen: {first} (+), {second} ({told}) can change together",)
@@ -165,7 +163,7 @@ def test_a_combination_that_the_data_do_not_see_is_named(sign, told):
 
 
 def test_a_search_that_runs_out_of_steps_says_so():
-    found = Sensitivity(step_limit=2).run(exact(toys.one_degree(), (1.0,)))
+    found = run(Sensitivity(step_limit=2), exact(toys.one_degree(), (1.0,)))
     assert found.status is Status.STEP_LIMIT
 
 
@@ -178,7 +176,7 @@ class Unstable(Linear):
 
 def test_a_model_that_cannot_be_simulated_is_a_failure_and_no_crash():
     problem = Unstable(MATRIX, MATRIX @ TRUTH, np.zeros(3), np.full(3, -9.0), np.full(3, 9.0), np.zeros(3, dtype=bool))
-    found = Sensitivity().run(problem)
+    found = run(Sensitivity(), problem)
     assert found.status is Status.FAILED
     assert found.parameters["value"].values.tolist() == [0.0, 0.0, 0.0]
 
@@ -192,13 +190,13 @@ class Misleading(Linear):
 
 def test_a_search_that_finds_no_acceptable_step_has_stalled():
     problem = Misleading(MATRIX, MATRIX @ TRUTH, np.zeros(3), np.full(3, -9.0), np.full(3, 9.0), np.zeros(3, dtype=bool))
-    found = Sensitivity().run(problem)
+    found = run(Sensitivity(), problem)
     assert found.status is Status.STALLED
     assert found.parameters["value"].values == pytest.approx(0.0)
 
 
 def test_the_path_only_goes_down():
-    found = Sensitivity().run(exact(toys.one_degree(), (1.0,)))
+    found = run(Sensitivity(), exact(toys.one_degree(), (1.0,)))
     cost = found.path["cost"].values
     assert len(cost) > 3 and np.all(np.diff(cost) < 0.0)
     assert found.path["value"].values[-1] == pytest.approx(found.parameters["value"].values)
@@ -212,7 +210,7 @@ def test_a_search_goes_on_from_where_it_was_stopped():
     fresh = exact(toys.one_degree(), (1.0,))
     while state.status is Status.RUNNING:
         state = Sensitivity().step(fresh, state)
-    assert method.finish(fresh, state).values == method.run(problem).values
+    assert method.finish(fresh, state).values == run(method, problem).values
 
 
 def recording(speed):
@@ -233,7 +231,7 @@ def misfit(runs):
 
 
 def test_a_slow_test_does_not_see_what_only_a_fast_one_reaches(slow_and_fast):
-    found = Sensitivity().run(misfit({"slow": slow_and_fast["slow"]}))
+    found = run(Sensitivity(), misfit({"slow": slow_and_fast["slow"]}))
     seen = dict(zip(found.parameters["parameter"].values, found.parameters["identifiable"].values, strict=True))
     assert not seen["joint.first.densification_stiffness"] and not seen["joint.first.densification_deformation"]
     assert seen["joint.first.elastic_stiffness"] and seen["joint.first.crush_force"]
@@ -241,7 +239,7 @@ def test_a_slow_test_does_not_see_what_only_a_fast_one_reaches(slow_and_fast):
 
 
 def test_two_recordings_at_once_tell_more_than_either(slow_and_fast):
-    both, fast = (Sensitivity().run(misfit(runs)) for runs in (slow_and_fast, {"fast": slow_and_fast["fast"]}))
+    both, fast = (run(Sensitivity(), misfit(runs)) for runs in (slow_and_fast, {"fast": slow_and_fast["fast"]}))
     assert both.status is Status.CONVERGED and not both.unseen
     for path, parameter in toys.one_degree().free_parameters().items():
         assert both.values[path] == pytest.approx(parameter.value, rel=1e-6), path
@@ -251,5 +249,5 @@ def test_two_recordings_at_once_tell_more_than_either(slow_and_fast):
 def test_a_model_with_nothing_free_has_nothing_to_find(slow_and_fast):
     fixed = toys.one_degree()
     fixed = fixed.with_parameters({path: evolve(p, fixed=True) for path, p in fixed.free_parameters().items()})
-    found = Sensitivity().run(Misfit(fixed, slow_and_fast, load().spring_laws, load().observers))
+    found = run(Sensitivity(), Misfit(fixed, slow_and_fast, load().spring_laws, load().observers))
     assert found.values == {} and found.status is Status.CONVERGED

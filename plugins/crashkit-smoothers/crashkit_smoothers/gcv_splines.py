@@ -15,19 +15,17 @@ class GcvCubic(Smoother):
     """Minimises sum (z_i - f(t_i))^2 + p integral (f'')^2 dt over cubic splines f, with p by generalised cross-validation.
 
     Its second derivative is a polygon that ends at 0: good for values and velocities, poor for accelerations. For the
-    uncertainty, given noise, filtered channels and contacts see `GcvQuintic`.
+    uncertainty, given noise and filtered channels see `GcvQuintic`.
 
     Mizzi & Jezequel 1992, eq 31-32, q = 2.
     """
 
     name: ClassVar[str] = "gcv_cubic"
     degree: ClassVar[int] = 1
-    contacts: tuple[float, ...] = ()
-    find_contacts: bool = False
 
     def smooth(self, samples: xr.DataArray, std: float | xr.DataArray | None = None) -> xr.Dataset:
         """Smooth one channel, as `Smoother.smooth` says; `smoothing_parameter` is p, in s^3."""
-        return SplineMethod(self.name, 2, CROSS_VALIDATION).smooth(samples, std, self.contacts, self.find_contacts)
+        return SplineMethod(self.name, 2, CROSS_VALIDATION).smooth(samples, std)
 
 
 @frozen
@@ -36,7 +34,8 @@ class GcvQuintic(Smoother):
 
     The bands are those of the Bayesian posterior, s^2 (B'B + p R)^-1, with B the basis, R its roughness and s the noise:
     s^2 = |(I - A) z|^2 / tr(I - A) with A the influence matrix, unless it is given. Given noise weighs the samples, and p
-    then minimises the unbiased risk. Noise is white, or white before the filter that the samples declare.
+    then minimises the unbiased risk, unless the samples show that there is more noise. It is taken as white, or as white
+    before the filter that the samples declare.
 
     Arguments:
         contacts: s, instants at which the acceleration may jump, as where a contact begins or ends; at the instant itself

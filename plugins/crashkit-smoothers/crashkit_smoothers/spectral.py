@@ -7,26 +7,17 @@ import numpy as np
 import xarray as xr
 from attrs import frozen
 
-from crashkit.data.channel_filter import DESIGN_FREQUENCY
 from crashkit.errors import CrashkitError
 from crashkit.protocols import Smoother
 from crashkit_smoothers.curve import curve
+from crashkit_smoothers.noise_level import FULL, doubt, exceeds
 from crashkit_smoothers.reading import Reading, read_channel
-from crashkit_smoothers.sine_series import amplitudes, derivative, variance
-from crashkit_smoothers.spectral_model import Estimate, SpectralModel
+from crashkit_smoothers.spectral_fit import ENDS, SpectralFit, fit_spectrum
 
 FEWEST = 10
 EVEN = 0.01
 """Of a step, by which steps may differ."""
 MOST_MISSING = 100
-MOST_MODES = 2000
-"""Modes of the series at first; there are more where the motion needs them."""
-ROOM = 0.2
-"""Of the modes, up to which the corner may lie."""
-PASSED = 0.05
-"""Power that the filter of a channel passes, at the least, in the modes that are looked at."""
-ENDS = {1: "odd extension about a line", 3: "odd extension about a cubic"}
-"""By degree of the polynomial, which takes up value and, if a cubic, second derivative at both ends."""
 
 
 @frozen
@@ -58,62 +49,43 @@ class Spectral(Smoother):
         """
         reading = read_channel(self.name, samples, std, FEWEST)
         _require_equal_samples(reading)
-        gain = _gain(reading, samples)
-        fits = [_fit(reading, gain, degree) for degree in ENDS]
-        best = min(fits, key=lambda fit: fit.estimate.deviance)
-        values, spreads = best.evaluated()
-        return curve(reading, values, spreads, best.attrs())
+        fit, level = _believed(reading, float(samples.attrs.get("channel_frequency_class", 0)))
+        values, spreads = fit.evaluated()
+        spreads *= level
+        return curve(reading, values, spreads, _attrs(reading, fit, level))
 
 
-@frozen
-class _SpectralFit:
-    """What the samples' likelihood makes of them, with ends matched by a polynomial of that degree."""
+def _believed(reading: Reading, filter_class: float) -> tuple[SpectralFit, float]:
+    """The fit, and the noise before the filter: as given unless the samples show that there is more."""
+    if reading.std is None:
+        fit = fit_spectrum(reading, filter_class, known=False)
+        return fit, fit.found
+    given = reading.std * math.sqrt(reading.correlation)
+    fit = fit_spectrum(reading, filter_class, known=True)
+    if fit.estimate.freedom < FULL * reading.count and not exceeds(fit.found, given, fit.left):
+        return fit, given
+    unknown = fit_spectrum(reading, filter_class, known=False)
+    return (unknown, unknown.found) if exceeds(unknown.found, given, unknown.left) else (fit, given)
 
-    reading: Reading
-    gain: np.ndarray
-    degree: int
-    estimate: Estimate
-    found: float
 
-    def evaluated(self) -> tuple[np.ndarray, np.ndarray]:
-        """Value, first and second derivative at all instants, and their standard deviations: both (3, time)."""
-        count, estimate = len(self.reading.x), self.estimate
-        modes = len(estimate.amplitudes)
-        gain = self.gain[:modes]
-        signal = 1.0 - estimate.law.noise_share(modes)
-        taken = (signal * gain)[:, None] * (amplitudes(_columns(self.reading, self.degree))[:modes] / gain[:, None])
-        values, spreads = np.empty((3, count)), np.empty((3, count))
-        for order in range(3):
-            columns = _columns(self.reading, self.degree, order)
-            columns[:, self.degree + 1 :] = 0.0
-            values[order] = columns @ estimate.factors + derivative(gain * estimate.amplitudes, count, order)
-            columns -= derivative(taken, count, order)
-            power = variance(signal * gain**2, count, order) + np.sum(columns @ estimate.covariance * columns, axis=1)
-            spreads[order] = self._noise * np.sqrt(np.maximum(power, 0.0))
-        by_reading = ((count - 1) / count) ** np.arange(3)[:, None]
-        return values * by_reading, spreads * by_reading
-
-    @property
-    def _noise(self) -> float:
-        """Of a mode before the filter."""
-        return self.found if self.reading.std is None else self.reading.std * math.sqrt(self.reading.correlation)
-
-    def attrs(self) -> dict[str, object]:
-        """What was chosen and why."""
-        law, reading = self.estimate.law, self.reading
-        length = reading.duration * len(reading.x) / (len(reading.x) - 1)
-        corner = law.corner / (2.0 * length)
-        words = "the likelihood" if reading.std is None else "the likelihood with the given noise"
-        return {
-            "noise_std": self._noise / math.sqrt(reading.correlation),
-            "smoothing_parameter": (2.0 * np.pi * corner) ** (-2.0 * law.decay),
-            "effective_degrees_of_freedom": self.estimate.freedom,
-            "corner_frequency": corner,
-            "decay": law.decay,
-            "ends": ENDS[self.degree],
-            "choice": f"{words} chose a low pass of {corner:.3g} Hz, {self.estimate.freedom:.1f} degrees of freedom "
-            f"for {len(reading.z)} samples, and the {ENDS[self.degree]}",
-        }
+def _attrs(reading: Reading, fit: SpectralFit, level: float) -> dict[str, object]:
+    corner, decay, freedom = fit.corner_frequency, fit.estimate.law.decay, fit.estimate.freedom
+    sentence = (
+        f"the likelihood chose a low pass of {corner:.3g} Hz, {freedom:.1f} degrees of freedom for {len(reading.z)} samples, "
+        f"and the {ENDS[fit.degree]}"
+    )
+    if reading.std is not None:
+        given = reading.std * math.sqrt(reading.correlation)
+        sentence += doubt(level / given, fit.found / given, fit.left)
+    return {
+        "noise_std": level / math.sqrt(reading.correlation),
+        "smoothing_parameter": (2.0 * np.pi * corner) ** (-2.0 * decay),
+        "effective_degrees_of_freedom": freedom,
+        "corner_frequency": corner,
+        "decay": decay,
+        "ends": ENDS[fit.degree],
+        "choice": sentence,
+    }
 
 
 def _require_equal_samples(reading: Reading) -> None:
@@ -129,45 +101,3 @@ def _require_equal_samples(reading: Reading) -> None:
         faults.append(f"at most {MOST_MISSING} missing samples, found {missing}")
     if faults:
         raise CrashkitError("\n".join(f"spectral: expected {fault}: a smoothing spline takes them" for fault in faults))
-
-
-def _gain(reading: Reading, samples: xr.DataArray) -> np.ndarray:
-    """(mode,) what the filter that the samples declare lets pass, for those modes of which it lets pass enough."""
-    count = len(reading.x)
-    filter_class = float(samples.attrs.get("channel_frequency_class", 0))
-    if not filter_class:
-        return np.ones(count)
-    interval = reading.duration / (count - 1)
-    warped = np.tan(0.5 * np.pi * np.arange(1, count) / count) / math.tan(math.pi * DESIGN_FREQUENCY * filter_class * interval)
-    gain = 1.0 / (1.0 + warped**4)
-    return gain[gain**2 > PASSED]
-
-
-def _columns(reading: Reading, degree: int, order: int = 0) -> np.ndarray:
-    """(sample, column) what has no prior, or its derivative by x: Legendre's polynomials, then a 1 at each missing sample."""
-    count = len(reading.x)
-    u = (2.0 * np.arange(count) + 1.0) / count - 1.0
-    powers = [np.polynomial.Legendre.basis(k).deriv(order)(u) * 2.0**order for k in range(degree + 1)]
-    gaps = np.zeros((count, count - len(reading.z)))
-    if order == 0:
-        gaps[~reading.present, np.arange(gaps.shape[1])] = 1.0
-    return np.concatenate([np.stack(powers, axis=1), gaps], axis=1)
-
-
-def _fit(reading: Reading, gain: np.ndarray, degree: int) -> _SpectralFit:
-    """The best law, of as many modes as it needs."""
-    samples = np.zeros(len(reading.x))
-    samples[reading.present] = reading.z
-    data = amplitudes(samples)[: len(gain)] / gain
-    columns = amplitudes(_columns(reading, degree))[: len(gain)] / gain[:, None]
-    variance = None if reading.std is None else reading.std**2 * reading.correlation
-    rounding = reading.rounding / reading.scale[0] ** 2
-    most = min(len(gain), len(samples) - 1)
-    modes = min(MOST_MODES, most)
-    while True:
-        model = SpectralModel.of(data, columns, modes, len(samples) - len(reading.z), variance, rounding)
-        estimate = model.best()
-        if modes == most or estimate.law.corner < ROOM * modes:
-            found = math.sqrt(estimate.square / (model.count - degree - 1))
-            return _SpectralFit(reading, gain, degree, estimate, found)
-        modes = min(4 * modes, most)

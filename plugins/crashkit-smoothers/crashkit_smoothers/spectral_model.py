@@ -6,10 +6,10 @@ import numpy as np
 from attrs import frozen
 from scipy.optimize import minimize
 
-DECAYS = (2.75, 6.0)
-"""Half the power with which the prior power falls: below 2.5 the acceleration would have no variance."""
+DECAYS = (2.75, 4.5)
+"""Half the power with which the prior power falls: below 2.5 an acceleration has no variance, above 4.5 an end no doubt."""
 CORNERS = 12
-SLOPES = (3.0, 4.5)
+SLOPES = (3.0, 4.0)
 """Candidates before the search."""
 TINY = np.finfo(float).tiny
 

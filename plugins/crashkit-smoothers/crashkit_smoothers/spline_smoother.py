@@ -3,19 +3,15 @@
 import math
 
 import xarray as xr
-from attrs import frozen
+from attrs import evolve, frozen
 
 from crashkit.errors import CrashkitError
 from crashkit_smoothers.choice import Criterion
 from crashkit_smoothers.contacts import fit_with_contacts_found, has_room
 from crashkit_smoothers.curve import curve
+from crashkit_smoothers.noise_level import FULL, doubt, exceeds
 from crashkit_smoothers.reading import Reading, read_channel
 from crashkit_smoothers.smoothing_spline import Recipe, SplineFit, fit_spline
-
-SURE = 4.0
-"""Standard deviations by which the noise found must differ from the given one to be mentioned."""
-FULL = 0.5
-"""Share of the samples' freedom above which a fit can hardly tell noise from motion."""
 
 
 @frozen
@@ -35,7 +31,11 @@ class SplineMethod:
     local: bool = False
 
     def smooth(
-        self, samples: xr.DataArray, std: float | xr.DataArray | None, contacts: tuple[float, ...], find_contacts: bool
+        self,
+        samples: xr.DataArray,
+        std: float | xr.DataArray | None,
+        contacts: tuple[float, ...] = (),
+        find_contacts: bool = False,
     ) -> xr.Dataset:
         """Smooth one channel, as `Smoother.smooth` says.
 
@@ -44,12 +44,11 @@ class SplineMethod:
             find_contacts: whether to look for more of them.
         """
         reading = read_channel(self.name, samples, std, 2 * self.order)
-        score = self.criterion.unknown if std is None else self.criterion.known
-        recipe = Recipe(self.order, score, self.local, self._places(contacts, reading))
-        fitted = (fit_with_contacts_found if find_contacts else fit_spline)(reading, recipe)
-        found = math.sqrt(fitted.fit.residual / (reading.count - fitted.fit.freedom))
+        recipe = Recipe(self.order, self.criterion.unknown, self.local, self._places(contacts, reading))
+        fitted, level = _fit(reading, recipe, self.criterion, find_contacts)
         values, spreads = fitted.evaluated(reading.x)
-        return curve(reading, values, spreads * (found if std is None else 1.0), self._attrs(reading, fitted, found))
+        spreads *= level
+        return curve(reading, values, spreads, self._attrs(reading, fitted, level))
 
     def _places(self, contacts: tuple[float, ...], reading: Reading) -> tuple[float, ...]:
         """The contacts on [0, 1], with room between them."""
@@ -62,27 +61,49 @@ class SplineMethod:
             )
         return places
 
-    def _attrs(self, reading: Reading, fitted: SplineFit, found: float) -> dict[str, object]:
+    def _attrs(self, reading: Reading, fitted: SplineFit, level: float) -> dict[str, object]:
         size = 1.0 if reading.std is None else reading.std
         unit = size**2 * reading.correlation * reading.duration ** (2 * self.order - 1)
         attrs = {
-            "noise_std": found if reading.std is None else size,
+            "noise_std": level * size,
             "smoothing_parameter": fitted.fit.smoothing * unit,
             "effective_degrees_of_freedom": fitted.fit.freedom,
-            "choice": self._choice(reading, fitted, found),
+            "choice": self._choice(reading, fitted, level),
         }
         if fitted.contacts:
             attrs["contacts"] = [float(reading.time[0]) + place * reading.duration for place in fitted.contacts]
         return attrs
 
-    def _choice(self, reading: Reading, fitted: SplineFit, found: float) -> str:
+    def _choice(self, reading: Reading, fitted: SplineFit, level: float) -> str:
         freedom, count = fitted.fit.freedom, reading.count
-        words = self.criterion.words if reading.std is None else "the risk at the given noise"
+        words = "the risk at the given noise" if reading.std and level == 1.0 else self.criterion.words
         sentence = f"{words} chose {freedom:.1f} degrees of freedom for {len(reading.z)} samples"
         if reading.correlation > 1.0:
             sentence += f", {count:.0f} of them independent after the filter"
         if freedom > FULL * count:
             sentence += ": so many that noise and motion can hardly be told apart"
-        if reading.std is not None and abs(found**2 - 1.0) > SURE * math.sqrt(2.0 / (count - freedom)):
-            sentence += f"; what is left is {found:.2g} times the given noise"
-        return sentence
+        return sentence + (doubt(level, found_noise(reading, fitted), count - freedom) if reading.std else "")
+
+
+def _fit(reading: Reading, recipe: Recipe, criterion: Criterion, find_contacts: bool) -> tuple[SplineFit, float]:
+    """The spline, and the standard deviation of the scaled samples.
+
+    A given noise that is too small would be taken for a motion that is followed sample by sample: where the samples
+    contradict it they are smoothed as if it were unknown but for the weights.
+    """
+    fit = fit_with_contacts_found if find_contacts else fit_spline
+    if reading.std is not None:
+        fitted = fit(reading, evolve(recipe, score=criterion.known))
+        freedom, found = fitted.fit.freedom, found_noise(reading, fitted)
+        if freedom < FULL * reading.count and not exceeds(found, 1.0, reading.count - freedom):
+            return fitted, 1.0
+    unknown = fit(reading, recipe)
+    found = found_noise(reading, unknown)
+    if reading.std is not None and not exceeds(found, 1.0, reading.count - unknown.fit.freedom):
+        return fitted, 1.0
+    return unknown, found
+
+
+def found_noise(reading: Reading, fitted: SplineFit) -> float:
+    """The standard deviation of the scaled samples by what the fit leaves, sqrt(|(I - A) z|^2 / tr(I - A))."""
+    return math.sqrt(fitted.fit.residual / (reading.count - fitted.fit.freedom))

@@ -8,7 +8,7 @@ from crashkit_cameras.tracking.pattern import Pattern
 SHARPEST = 0.1
 TYPICAL_BLUR = 0.7
 SEEN_BLUR = 2.0
-SEEN_GROUND = 0.25
+SEEN_GROUND = 0.2
 GROUND = 1.4
 TINY = 1e-9
 FAR = 100.0
@@ -77,7 +77,7 @@ class Dot(Pattern):
 
     def _margin(self, shape: np.ndarray) -> float:
         """How far beyond the edge the ground is looked at, pixel."""
-        return float(max(SEEN_BLUR * self.blur(shape) + 0.5, SEEN_GROUND * self.radius(shape)))
+        return float(max(SEEN_BLUR * self.blur(shape), SEEN_GROUND * self.radius(shape)))
 
 
 def _matrix(values: np.ndarray) -> np.ndarray:

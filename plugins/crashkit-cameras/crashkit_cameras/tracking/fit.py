@@ -22,6 +22,7 @@ DAMPING = 1e-3
 STILL = 1e-3
 MOVED = 0.1
 TINY = 1e-12
+DEPTHS = (8, 10, 12, 14, 16, 32)
 HOPELESS = 0.2
 MODEL_ERROR = 0.002
 """pixel; what edges that are not blurred by a normal distribution add to the noise."""
@@ -62,11 +63,12 @@ class Fit:
 
 
 class Patch(NamedTuple):
-    """The pixels around a target: their places and their brightness."""
+    """The pixels around a target: their places, their brightness, and the darkest and brightest that can be recorded."""
 
     u: np.ndarray
     v: np.ndarray
     grey: np.ndarray
+    range: tuple[float, float]
 
 
 def fit(pattern: Pattern, image: np.ndarray, shape: np.ndarray) -> Fit | None:
@@ -76,8 +78,8 @@ def fit(pattern: Pattern, image: np.ndarray, shape: np.ndarray) -> Fit | None:
 
         I(x) = b + b'x + (k + k'x) m(x; shape) + h (1 - m^2)
 
-    by Gauss-Newton with Marquardt's damping. Pixels far from the fit (glints, something in front) are left out, in rounds
-    that become stricter. The covariance is White's (1980, doi:10.2307/1912934): it also holds for noise that differs from
+    by Gauss-Newton with Marquardt's damping. Saturated pixels may be brighter than they say. Pixels far from the fit
+    (glints, something in front) are left out, in rounds that become stricter. The covariance is White's (1980, doi:10.2307/1912934): it also holds for noise that differs from
     pixel to pixel.
 
     Arguments:
@@ -116,7 +118,14 @@ def cut(pattern: Pattern, image: np.ndarray, shape: np.ndarray) -> Patch | None:
         return None
     if min(u.min(), v.min()) < 0 or u.max() >= image.shape[1] or v.max() >= image.shape[0]:
         return None
-    return Patch(u, v, image[v, u].astype(float))
+    return Patch(u, v, image[v, u].astype(float), _range(image))
+
+
+def _range(image: np.ndarray) -> tuple[float, float]:
+    """The least and largest brightness that an image's type, and the depth of its sensor, can hold."""
+    if not np.issubdtype(image.dtype, np.integer):
+        return -np.inf, np.inf
+    return 0.0, next(2.0**bits - 1.0 for bits in DEPTHS if image.max() < 2**bits)
 
 
 class _State(NamedTuple):
@@ -138,17 +147,24 @@ class _Problem:
         """The model evaluated."""
         m, to_shape = self.pattern.values(values[LIGHT:], self.patch.u, self.patch.v)
         slopes = np.zeros((len(values), m.size))
-        slopes[:CONTRAST] = self.plane
-        slopes[CONTRAST:TONE] = m * self.plane
-        slopes[TONE] = (1.0 - m * m) * self.pattern.toned
+        slopes[:LIGHT] = self.to_light(m)
         contrast = values[CONTRAST:TONE] @ self.plane - 2.0 * values[TONE] * m
         slopes[LIGHT : LIGHT + self.pattern.fitted] = contrast * to_shape
-        return _State(values, self.patch.grey - values[:LIGHT] @ slopes[:LIGHT], slopes)
+        grey, (darkest, brightest) = values[:LIGHT] @ slopes[:LIGHT], self.patch.range
+        residual = self.patch.grey - grey
+        beyond = ((self.patch.grey >= brightest) & (residual < 0.0)) | ((self.patch.grey <= darkest) & (residual > 0.0))
+        slopes[:, beyond] = 0.0
+        residual[beyond] = 0.0
+        return _State(values, residual, slopes)
+
+    def to_light(self, m: np.ndarray) -> np.ndarray:
+        """The derivatives of the brightness of a pattern to the light."""
+        return np.concatenate([self.plane, m * self.plane, (self.pattern.toned * (1.0 - m * m))[None]])
 
     def lit(self, shape: np.ndarray) -> _State:
         """A shape in the light that fits it best."""
-        dark = self.state(np.append(np.zeros(LIGHT), shape))
-        return self.state(np.append(_step(dark.residual, dark.slopes[:LIGHT], 0.0), shape))
+        m, _ = self.pattern.values(shape, self.patch.u, self.patch.v)
+        return self.state(np.append(_step(self.patch.grey, self.to_light(m), 0.0), shape))
 
     def near(self, state: _State, tolerance: float) -> np.ndarray:
         """Which pixels lie, as their neighbours do, as near to the fit as noise, or as a part of the contrast."""
