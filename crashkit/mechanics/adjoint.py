@@ -68,9 +68,9 @@ def _to_parameter(layout: Layout, path: str, start: Floats, to_laws: Floats, to_
             return float(to_joints[joint, 1])
         case "points", (joint, end, axis):
             return float(to_joints[joint, 2 + len(layout.axes) * end + axis])
-        case _, (row, body, k):
-            moved = row == 0 or np.isfinite(layout.masses[body])
-            return float(start[dof * (bodies * row + body) + k]) * moved
+    row, body, k = index
+    moved = row == 0 or bool(np.isfinite(layout.masses[body]))
+    return float(start[dof * (bodies * row + body) + k]) if moved else 0.0
 
 
 def seeds_of(weights: xr.Dataset, times: Floats, axes: Sequence[str], names: xr.Coordinates) -> Floats:

@@ -20,8 +20,8 @@ def forces_along(model: Model, laws: Mapping[str, type[SpringLaw]], motion: xr.D
     Arguments:
         model: in one, two or three axes.
         laws: installed laws and factors by name.
-        motion: `position` and `velocity` (time, body, axis), m and m s-1, of all the bodies that joints hold; in several axes also
-            `orientation` and `angular_velocity` (rad s-1), without which the bodies do not turn.
+        motion: `position` and `velocity` (time, body, axis), m and m s-1, of all the bodies that joints hold; in several
+            axes also `orientation` and `angular_velocity` (rad s-1), without which the bodies do not turn.
 
     Returns:
         Dataset with `deformation`, `deformation_rate`, `force` (time, joint), m, m s-1 and N, and `contact_force`

@@ -7,7 +7,7 @@ import sys
 import tempfile
 import threading
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -18,7 +18,7 @@ from attrs import field, frozen
 
 from crashkit.errors import CrashkitError
 from crashkit.mechanics.laws.emit import emit
-from crashkit.mechanics.laws.opaque import OpaqueLawWarning, as_python, emit_opaque, words
+from crashkit.mechanics.laws.opaque import Opaque, OpaqueLawWarning, emit_opaque
 from crashkit.mechanics.laws.source import LawFunction, OutsideSubset
 
 HEADER = '''"""Written by crashkit.mechanics.engine; safe to delete."""
@@ -27,7 +27,7 @@ import math
 
 import numpy as np
 from crashkit.mechanics.kernel.arrays import *
-from numba import njit, objmode
+from numba import njit, types
 
 compiled = njit(nogil=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
@@ -55,13 +55,13 @@ class Engine:
         axes: 1, 2 (plane motion) or 3 (space).
         numbers: each function's number in the compiled dispatch.
         module: the generated module.
-        opaque: why a function runs as plain Python, of those that do.
+        opaque: the functions that run as plain Python.
     """
 
     axes: int
     numbers: Mapping[LawFunction, int]
     module: ModuleType = field(repr=False)
-    opaque: Mapping[LawFunction, str] = field(factory=dict)
+    opaque: Mapping[LawFunction, Opaque] = field(factory=dict)
 
     def check_derivatives(self, functions: Iterable[LawFunction]) -> None:
         """Raise CrashkitError where one of these functions runs as plain Python, and so has none."""
@@ -69,8 +69,12 @@ class Engine:
             if function in self.opaque:
                 raise CrashkitError(
                     f"expected laws that give sensitivities, found {function.law.name}, which runs as plain Python "
-                    f"({self.opaque[function]})"
+                    f"({self.opaque[function].reason})"
                 )
+
+    def problem(self) -> str:
+        """What last went wrong in a function that runs as plain Python; empty where nothing did."""
+        return next((function.problem for function in self.opaque.values() if function.problem), "")
 
 
 def compile_engine(functions: Iterable[LawFunction], axes: int = 1) -> Engine:
@@ -97,28 +101,25 @@ def compile_engine(functions: Iterable[LawFunction], axes: int = 1) -> Engine:
 @cache
 def _engine(functions: tuple[LawFunction, ...], axes: int) -> Engine:
     laws, opaque = _laws(functions)
-    for reason in opaque.values():
-        warnings.warn(words(reason), OpaqueLawWarning, stacklevel=3)
+    for function in opaque.values():
+        warnings.warn(str(function), OpaqueLawWarning, stacklevel=3)
     source = _source(functions, laws, axes)
-    if opaque:  # numba keeps no machine code of what calls Python, and lets no other thread run meanwhile
-        source = source.replace("cache=True", "cache=False").replace("nogil=True, ", "")
     names = (KERNEL / "arrays.py").read_text(encoding="utf-8")
     key = hashlib.sha256(f"{numba.__version__} {sys.version} {names} {source}".encode()).hexdigest()[:20]
     numbers = {function: number for number, function in enumerate(functions)}
-    python = {number: as_python(function) for function, number in numbers.items() if function in opaque}
-    return Engine(axes, numbers, _load(f"crashkit_engine_{key}", source, python), opaque)
+    return Engine(axes, numbers, _load(f"crashkit_engine_{key}", source), opaque)
 
 
-def _laws(functions: tuple[LawFunction, ...]) -> tuple[list[str], dict[LawFunction, str]]:
-    """The source of each function, and the reason why some of them run as plain Python."""
+def _laws(functions: tuple[LawFunction, ...]) -> tuple[list[str], dict[LawFunction, Opaque]]:
+    """The source of each function, and those that run as plain Python."""
     texts: list[str] = []
-    opaque: dict[LawFunction, str] = {}
+    opaque: dict[LawFunction, Opaque] = {}
     for number, function in enumerate(functions):
         try:
             text = emit(function, f"law_{number}")
         except OutsideSubset as error:
-            opaque[function] = str(error)
-            text = emit_opaque(function, f"law_{number}", number)
+            opaque[function] = Opaque(function, str(error))
+            text = emit_opaque(function, f"law_{number}")
         texts.append(f"# {function.law.name} {function.sizes}\n{text}")
     return texts, opaque
 
@@ -150,14 +151,13 @@ def _dispatch(kind: str, first: str, last: str, none: str, numbers: Iterable[int
     return "\n".join([*lines, f"    return {none}"])
 
 
-def _load(name: str, source: str, python: Mapping[int, Callable[..., float]]) -> ModuleType:
+def _load(name: str, source: str) -> ModuleType:
     path = _folder() / f"{name}.py"
     if not path.exists():
         _write(path, source)
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
-    module.__dict__["OPAQUE"] = python
     sys.modules[name] = module
     spec.loader.exec_module(module)
     return module

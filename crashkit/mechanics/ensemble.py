@@ -3,6 +3,7 @@
 import os
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -104,7 +105,7 @@ def _batch(
 
 def _many(layout: Layout, values: Mapping[str, Floats], runs: int) -> Layout:
     """A layout whose arrays have a first dim of runs."""
-    arrays = {name: np.repeat(getattr(layout, name)[None], runs, axis=0) for name in ARRAYS}
+    arrays: dict[str, Any] = {name: np.repeat(getattr(layout, name)[None], runs, axis=0) for name in ARRAYS}
     for path, column in values.items():
         name, index = layout.place(path)
         arrays[name][:, *index] = column[:, None] if name == "parameters" else column
@@ -115,7 +116,8 @@ def _integrate(
     simulator: Simulator, layout: Layout, times: Floats, runs: int, step: float, workers: int
 ) -> tuple[Floats, Floats]:
     """Records (run, time, entry), and how each run ended."""
-    base = evolve(layout, **{name: getattr(layout, name)[0] for name in ARRAYS})
+    one: dict[str, Any] = {name: getattr(layout, name)[0] for name in ARRAYS}
+    base = evolve(layout, **one)
     bodies, joints = bodies_of(layout), joints_of(layout)
     n = DOF[len(layout.axes)] * len(layout.bodies)
     first = work_of(base, simulator.engine, ())

@@ -12,7 +12,8 @@ from crashkit.mechanics.kernel.arrays import Floats
 from crashkit.model import Body, GivenForce, GivenMotion, Model
 
 PARTS = 20
-"""Into which each interval of an imposed rotation in space is divided, because its angular acceleration is not affine there."""
+"""Into which each interval of an imposed rotation in space is divided, because its angular acceleration is not affine
+there."""
 
 
 @frozen

@@ -1,6 +1,7 @@
 """From a model to the arrays of the kernel: where each parameter of the model sits in them."""
 
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 from attrs import frozen
@@ -13,7 +14,7 @@ from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.protocols import ParameterSpec, SpringLaw
 
 Laws = Mapping[str, type[SpringLaw]]
-Place = tuple[str, tuple[int | tuple[int, ...], ...]]
+Place = tuple[str, tuple[Any, ...]]
 """The name of an array of the layout, and the index of a parameter in it."""
 
 DOF = {1: 1, 2: 3, 3: 6}

@@ -1,6 +1,7 @@
 """One run: parameter values, initial state and columns of sensitivities, filled into the arrays of the kernel."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -18,7 +19,7 @@ ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 def prepare(layout: Layout, values: Mapping[str, float], initial: xr.Dataset | None) -> Layout:
     """The layout of one run: the model's, then the recording's initial state, then the values given by path."""
     start, quaternions = _initial(layout, initial)
-    arrays = {
+    arrays: dict[str, Any] = {
         "parameters": layout.parameters.copy(),
         "masses": layout.masses.copy(),
         "inertia": layout.inertia.copy(),

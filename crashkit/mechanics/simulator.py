@@ -26,8 +26,8 @@ class Simulator:
     Arguments:
         model: in one, two or three axes.
         laws: the spring laws and factors by name.
-        engine: one for as many axes that holds the model's functions (see `functions_of`), to share between models; None: one of
-            its own.
+        engine: one for as many axes that holds the model's functions (see `functions_of`), to share between models; None:
+            one of its own.
 
     Raises:
         CrashkitError: the model cannot be simulated: a law that is not installed, a parameter without a value.
@@ -70,16 +70,16 @@ class Simulator:
             values: by path, instead of the model's. Besides the model's own parameters, with [i] for an axis where there are
                 several: `body.NAME.position`, `.velocity`, `.rotation` (a small rotation from the orientation at t = 0) and
                 `.angular_velocity`, `joint.NAME.points[end]`. Those of instruments are ignored.
-            initial: `position(body, axis)` and `velocity(body, axis)` at t = 0 of some or all bodies, instead of the model's; in
-                several axes also `orientation(body, quaternion)` and `angular_velocity(body, axis)`, if they are there.
-            sensitivities: paths of the parameters to differentiate to.
+            initial: `position(body, axis)` and `velocity(body, axis)` at t = 0 of some or all bodies, instead of the
+                model's; in several axes also `orientation(body, quaternion)` and `angular_velocity(body, axis)`, if they are
+            there. sensitivities: paths of the parameters to differentiate to.
             step: s, longest step of the integration.
 
         Returns:
             A motion of all bodies, with `deformation`, `deformation_rate` and `force` by joint, `contact_force`, the net force
             of its joints on each body, and the coordinate `joint_bodies(joint, end)`. Plane motion and space have all three
-            axes, and also `orientation`, `angular_velocity`, `angular_acceleration` and `contact_moment`. With sensitivities also
-            `<quantity>_sensitivity`, each with a last dim `parameter`, of all of these; that of the
+            axes, and also `orientation`, `angular_velocity`, `angular_acceleration` and `contact_moment`. With sensitivities
+            also `<quantity>_sensitivity`, each with a last dim `parameter`, of all of these; that of the
             orientation is `rotation_sensitivity`, a small rotation vector in the laboratory frame.
 
         Raises:
@@ -181,7 +181,8 @@ class Simulator:
         joint = self.model.joints[number]
         place = f"joint {joint.name} between {joint.bodies[0]} and {joint.bodies[1]} at t = {t:.6g} s"
         if status == NOT_FINITE:
-            return f"model {self.model.name}: the force of {place} is not finite"
+            problem = self.engine.problem()
+            return f"model {self.model.name}: the force of {place} is not finite{problem and f' ({problem})'}"
         if status == MEETING:
             remedy = "the line between them has no direction; give the joint a normal if it is a contact with a face"
             return f"model {self.model.name}: the attachments of {place} meet: {remedy}"

@@ -17,8 +17,8 @@ class Body:
         mass: kg; None for a fixed body.
         fixed: whether it is held in place.
         carrier: name of the body that it moves with until t = 0, for a load whose own state no recording holds; "" for none.
-        inertia: kg m2 about the centre of mass; in the plane one number; in space those of its principal axes, which are then its
-            own axes, or Ixx, Iyy, Izz, Ixy, Ixz, Iyz of its own axes, off the diagonal as they stand in the matrix.
+        inertia: kg m2 about the centre of mass; in the plane one number; in space those of its principal axes, which are
+            then its own axes, or Ixx, Iyy, Izz, Ixy, Ixz, Iyz of its own axes, off the diagonal as they stand in the matrix.
         orientation: at t = 0; in the plane the angle (rad); in space the unit quaternion (w, x, y, z); (): its axes are the
             laboratory's.
         angular_velocity: rad s-1 at t = 0; in the plane one number, in space three, laboratory frame; (): none.

@@ -12,8 +12,8 @@ class GivenMotion:
     Arguments:
         time: s, increasing; before the first and after the last the body goes on uniformly.
         position: m, a row of one value for each axis at each time.
-        orientation: at each time a row of the angle (rad) in the plane, of the unit quaternion (w, x, y, z) in space; (): that of
-            the body at t = 0.
+        orientation: at each time a row of the angle (rad) in the plane, of the unit quaternion (w, x, y, z) in space; ():
+            that of the body at t = 0.
     """
 
     time: tuple[float, ...]

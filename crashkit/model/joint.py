@@ -21,9 +21,9 @@ class Joint:
         factors: names of SpringLaw plugins with unit "1" that multiply the law.
         points: m, attachment in each body's frame; None: the centres of mass.
         free_length: m, the distance at which the deformation is 0; None: the distance at t = 0.
-        normal: unit vector in the first body's frame: the joint is the contact of a point of the second body with a flat face of
-            the first, its distance is measured along this normal, and its force acts along it at the point; None: the joint is the
-            line between its two points. In one axis the two are the same.
+        normal: unit vector in the first body's frame: the joint is the contact of a point of the second body with a flat
+            face of the first, its distance is measured along this normal, and its force acts along it at the point; None:
+            the joint is the line between its two points. In one axis the two are the same.
     """
 
     name: str

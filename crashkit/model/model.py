@@ -15,8 +15,8 @@ class Model:
     """A structure as rigid bodies joined by springs (Mizzi & Jezequel 1992, eq 2-11).
 
     Every number that could be identified has a path: `body.NAME.mass`, `body.NAME.inertia` (in space `body.NAME.inertia[i]`),
-    `joint.NAME.PARAMETER`, `joint.NAME.PARAMETER[i]`, `joint.NAME.free_length`, `instrument.GROUP.SENSOR.PARAMETER` (SENSOR empty
-    for the whole instrument).
+    `joint.NAME.PARAMETER`, `joint.NAME.PARAMETER[i]`, `joint.NAME.free_length`, `instrument.GROUP.SENSOR.PARAMETER` (SENSOR
+    empty for the whole instrument).
 
     Arguments:
         name: for people.

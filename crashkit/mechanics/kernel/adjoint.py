@@ -1,8 +1,8 @@
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
 """The adjoint of a run: one gradient to any number of parameters, at the cost of a few runs.
 
-It is the transpose of the forward sensitivities (see tangents.py), step by step from the last to the first: with lam the adjoint
-of the state at the end of a step, and f the state's derivative at its stages 0 to 3,
+It is the transpose of the forward sensitivities (see tangents.py), step by step from the last to the first: with lam the
+adjoint of the state at the end of a step, and f the state's derivative at its stages 0 to 3,
 
     mu_3 = f_y' (h/6 lam), mu_2 = f_y' (h/3 lam + h mu_3), mu_1 = f_y' (h/3 lam + h/2 mu_2), mu_0 = f_y' (h/6 lam + h/2 mu_1),
 

@@ -82,15 +82,15 @@ FUNCTION = np.dtype(
 class Work(NamedTuple):
     """Everything that a run reads and changes, in the order in which the kernel takes it.
 
-    With n = DOF x bodies velocities (DOF = 1, 3 or 6 by the number of axes: along the axes, then about them) and m memories, the
-    state is y = (n positions, n velocities, m memories). In space the rotational positions are a rotation vector from the
+    With n = DOF x bodies velocities (DOF = 1, 3 or 6 by the number of axes: along the axes, then about them) and m memories,
+    the state is y = (n positions, n velocities, m memories). In space the rotational positions are a rotation vector from the
     orientation at the last step, so that they are 0 there.
 
     Arguments:
         bodies, joints, functions: records as above.
         parameters: the numbers of all functions, one after another.
-        given: (knot, 1 + 4 n) force and acceleration that are given, affine between knots: time of the knot, s, value and slope
-            of the force, value and slope of the acceleration.
+        given: (knot, 1 + 4 n) force and acceleration that are given, affine between knots: time of the knot, s, value and
+            slope of the force, value and slope of the acceleration.
         state: (stage, 2 (2 n + m)) y and its derivative.
         columns: of each number of `parameters`, the column that it is, or -1.
         partials: (function, 4 + parameters) derivatives of each function to d, ddot, d_max, its memory and its parameters.
@@ -116,8 +116,8 @@ class Record(NamedTuple):
     """What a run leaves behind, at the times asked for.
 
     Arguments:
-        values: (time, entry): y and its derivative; force, deformation and rate of each joint; force and moment of the joints on
-            each body; in space the unit quaternion of each body.
+        values: (time, entry): y and its derivative; force, deformation and rate of each joint; force and moment of the
+            joints on each body; in space the unit quaternion of each body.
         tangents: (time, entry, column) derivatives of all but the quaternions; no times where no columns are asked for.
     """
 

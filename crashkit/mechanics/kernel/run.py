@@ -175,7 +175,6 @@ def integrate(
     t, since, crossings, k, piece, s = 0.0, 0.0, 0, START, START, START
     crossing, ahead = True, 0.0
     guard, culprit = math.inf, NONE
-    size = state.shape[1] // 2
     begin(bodies, joints, state, tangent, joint_tangent)
     choose_branches(bodies, joints, functions, parameters, state, ahead)
     while True:

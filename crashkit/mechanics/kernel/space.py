@@ -2,12 +2,13 @@
 """The geometry of space: SE(3), each body with three coordinates and a rotation.
 
 Rotations are integrated on the group: within a step a body has turned by the rotation vector phi from its orientation at the
-step's start, R = exp(phi) R_0, with phi' = omega - phi x omega / 2 + phi x (phi x omega) / 12 (the next term is of fourth order in
-phi and vanishes; Bortz's equation, Mizzi & Jezequel 1992, eq 21-28, for angular velocities in the laboratory frame). At its end
-R_0 is replaced. A column's derivative of a rotation is the small rotation vector in the laboratory frame, dR = dtheta x R; the
-Runge-Kutta rule itself is differentiated in phi, because a mixture of the two would lose its order.
+step's start, R = exp(phi) R_0, with phi' = omega - phi x omega / 2 + phi x (phi x omega) / 12 (the next term is of fourth
+order in phi and vanishes; Bortz's equation, Mizzi & Jezequel 1992, eq 21-28, for angular velocities in the laboratory
+frame). At its end R_0 is replaced. A column's derivative of a rotation is the small rotation vector in the laboratory frame,
+dR = dtheta x R; the Runge-Kutta rule itself is differentiated in phi, because a mixture of the two would lose its order.
 
-Angular velocities are kept in the laboratory frame, Euler's equation is solved in the body's: I omega' + omega x I omega = tau.
+Angular velocities are kept in the laboratory frame, Euler's equation is solved in the body's: I omega' + omega x I omega =
+tau.
 """
 
 import math

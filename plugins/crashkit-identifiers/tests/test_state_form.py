@@ -1,0 +1,57 @@
+"""The state form as a method: the contract, and that it hardly needs a start."""
+
+import pytest
+import xarray as xr
+
+from crashkit.errors import CrashkitError
+from crashkit.misfit import Misfit
+from crashkit.protocols import Status
+from crashkit.registry import load
+from crashkit.testing import IdentifierContract, toys
+from crashkit_identifiers.run import run
+from crashkit_identifiers.sensitivity import Sensitivity
+from crashkit_identifiers.state_form import StateFormRegression
+
+
+class TestStateForm(IdentifierContract):
+    accuracy = 1e-3
+
+    @pytest.fixture
+    def identifier(self):
+        return StateFormRegression()
+
+
+@pytest.mark.parametrize("factor", [0.3, 3.0])
+def test_a_start_that_is_far_off_does_not_matter(search, errors, factor):
+    truth = toys.one_degree()
+    found = run(StateFormRegression(), search(truth, factor))
+    assert found.status is Status.CONVERGED
+    assert max(map(abs, errors(found, truth).values())) < 1e-3
+
+
+def test_it_starts_a_method_that_simulates(search, errors):
+    truth = toys.one_degree()
+    problem = search(truth, 3.0)
+    alone = run(Sensitivity(), problem)
+    helped = run(Sensitivity(), problem.with_values(run(StateFormRegression(), problem).values))
+    assert alone.parameters.normalised_residual > 1.0
+    assert max(map(abs, errors(helped, truth).values())) < 1e-5
+
+
+def test_a_body_that_nobody_saw_is_named(search):
+    registry, truth = load(), toys.two_degrees(rear_mass=toys.REAR_MASS_INVERTED)
+    recording = search(truth).recordings["speed_1"]
+    blind = recording.assign(
+        {
+            name: xr.DataTree(recording[name].to_dataset().isel({channel: [0]}))
+            for name, channel in (("film", "marker"), ("accelerometer", "sensor"))
+        }
+    )
+    problem = Misfit(truth, {"run": blind}, registry.spring_laws, registry.observers)
+    with pytest.raises(CrashkitError, match="run: state_form needs the measured motion of every body .* found none of rear"):
+        StateFormRegression().start(problem)
+
+
+def test_a_problem_without_recordings_is_refused():
+    with pytest.raises(CrashkitError, match="state_form: expected a misfit of a model to recordings, found object"):
+        StateFormRegression().start(object())
