@@ -66,7 +66,9 @@ def draw(views: int, control_points: int, seed: int) -> tuple[Laboratory, xr.Dat
 def linear(group: xr.Dataset) -> np.ndarray:
     """The eleven coefficients of each view, (view, 11)."""
     control = control_of(group)
-    return np.stack([fit_linear(control.points[s], i[s]).coefficients for s, i in zip(control.seen, control.image, strict=True)])
+    return np.stack(
+        [fit_linear(control.points[s], i[s]).coefficients for s, i in zip(control.seen, control.image, strict=True)]
+    )
 
 
 def opencv_cameras(group: xr.Dataset) -> Cameras:
@@ -83,7 +85,9 @@ def _opencv_camera(points: np.ndarray, image: np.ndarray, guess: Cameras, view: 
     flags = cv2.CALIB_USE_INTRINSIC_GUESS | cv2.CALIB_FIX_K3
     until = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 1000, 1e-12)
     known, seen_at = [points[seen].astype(np.float32)], [image[seen].astype(np.float32)]
-    _, inner, lens, turn, shift = cv2.calibrateCamera(known, seen_at, (1024, 1024), inner, np.zeros(5), flags=flags, criteria=until)
+    _, inner, lens, turn, shift = cv2.calibrateCamera(
+        known, seen_at, (1024, 1024), inner, np.zeros(5), flags=flags, criteria=until
+    )
     rotation = cv2.Rodrigues(turn[0])[0]
     k1, k2, p1, p2, k3 = np.ravel(lens)[:5]
     return Cameras(

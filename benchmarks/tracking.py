@@ -94,7 +94,14 @@ def _error_rows(case: str, errors: Mapping[str, np.ndarray | None]) -> list[Row]
     ours = errors["crashkit"]
     assert ours is not None
     return [
-        Row(f"{case}: {label}", "error", "pixel", _quantile(ours, part), peer, None if theirs is None else _quantile(theirs, part))
+        Row(
+            f"{case}: {label}",
+            "error",
+            "pixel",
+            _quantile(ours, part),
+            peer,
+            None if theirs is None else _quantile(theirs, part),
+        )
         for peer, theirs in errors.items()
         if peer != "crashkit"
         for label, part in (("median", 0.5), ("95th percentile", 0.95))

@@ -190,7 +190,7 @@ class Reference:
             return
         coordinates = {"mass": range(min(self.dof, 2)), "inertia": [2]}[what]
         for i in coordinates:
-            self.seeds["inverse_mass"][first + i, column] = -self.input["inverse_mass"][first + i] ** 2
+            self.seeds["inverse_mass"][first + i, column] = -(self.input["inverse_mass"][first + i] ** 2)
 
     def _body(self, name: str) -> int:
         return [body.name for body in self.bodies].index(name)

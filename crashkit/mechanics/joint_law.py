@@ -1,14 +1,11 @@
 """The law of a joint with its factors as plain Python: the engine's branches and derivatives, one state at a time."""
 
-import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cache
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from crashkit.errors import CrashkitError
-from crashkit.mechanics.laws.emit import emit
+from crashkit.mechanics.laws.plain import plain
 from crashkit.mechanics.laws.source import STATE, LawFunction
 from crashkit.model import Joint
 from crashkit.protocols import SpringLaw
@@ -40,24 +37,24 @@ class JointLaw:
         own = [tuple(_paths(joint, function)) for function in functions]
         self.paths = tuple(dict.fromkeys(path for paths in own for path in paths))
         places = [np.array([self.paths.index(path) for path in paths], dtype=int) for paths in own]
-        self._parts = [(*_python(function), place) for function, place in zip(functions, places, strict=True)]
+        self._parts = [(plain(function), place) for function, place in zip(functions, places, strict=True)]
 
     def numbers(self, values: Mapping[str, float]) -> list[list[float]]:
         """The parameters of the law and of each factor, from values by path."""
-        return [[values[self.paths[i]] for i in place] for _, _, place in self._parts]
+        return [[values[self.paths[i]] for i in place] for _, place in self._parts]
 
     def modes(self, state: Sequence[float], numbers: Sequence[Sequence[float]]) -> Modes:
         """The branches that a state takes."""
-        return tuple(mode(*state, *NO_MEMORY, own, 0) for (mode, _, _), own in zip(self._parts, numbers, strict=True))
+        return tuple(law.mode(*state, *NO_MEMORY, own, 0) for (law, _), own in zip(self._parts, numbers, strict=True))
 
     def evaluate(self, state: Sequence[float], modes: Modes, numbers: Sequence[Sequence[float]]) -> tuple[float, np.ndarray]:
         """The force, N, on given branches, and its derivatives to d, ddot, d_max and each of `paths`."""
         force, slopes = 1.0, np.zeros(len(STATE) + len(self.paths))
         inputs = len(STATE) + len(NO_MEMORY)
-        for (_, partials, place), mode, own in zip(self._parts, modes, numbers, strict=True):
+        for (law, place), mode, own in zip(self._parts, modes, numbers, strict=True):
             out = np.zeros(inputs + len(own))
             try:
-                value = partials(mode, *state, *NO_MEMORY, own, 0, out)
+                value = law.partials(mode, *state, *NO_MEMORY, own, 0, out)
             except (ArithmeticError, ValueError) as error:
                 found = f"none at d = {state[0]:.6g} m, rate {state[1]:.6g} m/s ({error})"
                 raise CrashkitError(f"joint {self.joint.name}: expected a force, found {found}") from error
@@ -85,15 +82,3 @@ def _paths(joint: Joint, function: LawFunction) -> Iterator[str]:
     for spec in function.law.parameters:
         path = f"joint.{joint.name}.{spec.name}"
         yield from (f"{path}[{i}]" for i in range(lengths[spec.name])) if spec.vector else (path,)
-
-
-@cache
-def _python(function: LawFunction) -> tuple[Callable[..., int], Callable[..., float]]:
-    """The functions that the engine compiles: branches taken, and value with derivatives."""
-    scope: dict[str, Any] = {"math": math, "compiled": lambda plain: plain, "power_slope": _power_slope}
-    exec(compile(emit(function, "law"), f"<{function.law.name}>", "exec"), scope)
-    return scope["law_mode"], scope["law_partials"]
-
-
-def _power_slope(base: float, exponent: float) -> float:
-    return base**exponent * math.log(base) if base > 0.0 else 0.0

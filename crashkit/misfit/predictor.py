@@ -1,15 +1,18 @@
 """What a model predicts that the instruments of some recordings would read."""
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 import xarray as xr
 from attrs import frozen
 
 from crashkit.mechanics import Simulator
+from crashkit.mechanics.kernel.arrays import Floats, Record
+from crashkit.mechanics.repeated_run import RepeatedRun
 from crashkit.misfit.channel import Group
+from crashkit.misfit.readout import Readout, readout_of
 from crashkit.model import Model
-from crashkit.protocols import SensorErrors
 
 STEP = 5e-4
 """s, longest step of the integration: a twentieth of the period of a mass of 100 kg on a spring of 4 MN/m."""
@@ -34,6 +37,7 @@ class Predictor:
         self.groups = tuple(groups)
         self.names = tuple(model.free_parameters())
         self._structural = tuple(name for name in self.names if not name.startswith("instrument."))
+        self._columns = [self.names.index(name) for name in self._structural]
         self._fixed = _moved(model, simulator.model)
         self._initial = {run: initial_state(recording, model) for run, recording in recordings.items()}
         margin = _clock_margin(model)
@@ -47,24 +51,65 @@ class Predictor:
 
     def predict(self, values: Mapping[str, float], sensitivities: bool = False) -> list[Prediction]:
         """The predictions for every group, in order; `values` by parameter path."""
-        structural = {name: values[name] for name in self._structural}
-        motions = {run: self.motion(run, structural, sensitivities) for run in self._times}
-        errors = instrument_errors(self.model, values)
-        return [self._observe(group, motions[group.run], errors, sensitivities) for group in self.groups]
+        return self.predict_at(np.array([values[name] for name in self.names], dtype=float), sensitivities)
+
+    def predict_at(self, values: Floats, sensitivities: bool = False) -> list[Prediction]:
+        """The same for values in the order of `names`; the predictions of all groups are arrays of their own."""
+        records = {run: repeated.record(values[self._columns], sensitivities) for run, repeated in self._runs.items()}
+        motions: dict[str, xr.Dataset] = {}
+        predictions = []
+        for group, readout in zip(self.groups, self._readouts, strict=True):
+            record = records[group.run]
+            if readout is not None:
+                predictions.append(self._read(readout, record, sensitivities))
+                continue
+            if group.run not in motions:
+                motions[group.run] = self._runs[group.run].motion(record)
+            predictions.append(self._observe(group, motions[group.run], values, sensitivities))
+        return predictions
+
+    @cached_property
+    def _runs(self) -> dict[str, RepeatedRun]:
+        """Made for the first prediction: many models are never asked for one."""
+        return {
+            run: RepeatedRun(self.simulator, times, self._structural, self._fixed, self._initial[run], STEP)
+            for run, times in self._times.items()
+        }
+
+    @cached_property
+    def _readouts(self) -> list[Readout | None]:
+        """What is read without a Dataset; an instrument with errors of its own is not."""
+        wrong = {entry.instrument for entry in self.model.instruments}
+        turning = len(self.model.axes) > 1
+        return [
+            None if group.name in wrong else readout_of(group, self._runs[group.run], turning, SAME_INSTANT)
+            for group in self.groups
+        ]
+
+    def _read(self, readout: Readout, record: Record, sensitivities: bool) -> Prediction:
+        samples = readout.samples(record.values)
+        if not sensitivities:
+            return Prediction(samples, None)
+        if len(self._columns) == len(self.names):
+            return Prediction(samples, readout.sensitivity(record.tangents))
+        table = np.zeros((*samples.shape, len(self.names)))
+        if self._columns:
+            table[:, :, self._columns] = readout.sensitivity(record.tangents)
+        return Prediction(samples, table)
 
     def _observe(
-        self, group: Group, motion: xr.Dataset, errors: Mapping[str, SensorErrors], sensitivities: bool
+        self, group: Group, motion: xr.Dataset, values: Floats, sensitivities: bool
     ) -> Prediction:
         observer = group.observer
+        errors = instrument_errors(self.model, dict(zip(self.names, values.tolist(), strict=True)))
         read = observer.predict(motion, group.dataset, errors.get(group.name))
         samples = read.variables[observer.quantity].values.reshape(group.recorded.shape)
         if not sensitivities:
             return Prediction(samples, None)
         table = np.zeros((*samples.shape, len(self.names)))
-        if self._structural:
-            columns = [self.names.index(name) for name in self._structural]
+        if self._columns:
             given = read.variables[f"{observer.quantity}_sensitivity"].values
-            table[:, :, columns] = given.reshape(*samples.shape, len(columns))
+            table[:, :, self._columns] = given.reshape(*samples.shape, len(self._columns))
         own = read.variables[f"{observer.quantity}_error_sensitivity"].values.reshape(*samples.shape, -1)
         self._add_error_columns(table, group, own)
         return Prediction(samples, table)

@@ -84,7 +84,9 @@ def _law_faults(name: str, unit: str, laws: Laws, where: str) -> Iterator[Fault]
     kind = "laws" if unit == "N" else "factors"
     installed = names(sorted(law for law, plugin in laws.items() if plugin.unit == unit)) or "none"
     if name not in laws:
-        yield Fault(where, f"one of the installed {kind} ({installed})", shown(name))
+        combined = any(sign in name for sign in (" + ", " * ", " | "))
+        wanted = f"{kind} that can be combined like this, of" if combined else "one of"
+        yield Fault(where, f"{wanted} the installed {kind} ({installed})", shown(name))
     elif laws[name].unit != unit:
         yield Fault(where, f'one of the {kind} with unit "{unit}" ({installed})', f'"{name}" with unit "{laws[name].unit}"')
 
@@ -105,10 +107,12 @@ def _joint_parameter_faults(joint: Joint, laws: Laws, where: str) -> Iterator[Fa
             yield Fault(f"{where}/{name}", _value_of(spec), "none")
     for name, value in joint.parameters.items():
         yield from _value_faults(value, specs.get(name), f"{where}/{name}")
-    lengths = {name: len(value) for name, value in joint.parameters.items() if isinstance(value, tuple)}
-    if len(set(lengths.values())) > 1:
-        found = ", ".join(f"{length} of {name}" for name, length in lengths.items())
-        yield Fault(f"{where}/parameters", "lists of the same length", found)
+    for part in (part for name in plugins if name in laws for part in laws[name].parts or (laws[name],)):
+        lists = {spec.name: joint.parameters.get(spec.name) for spec in part.parameters}
+        lengths = {name: len(value) for name, value in lists.items() if isinstance(value, tuple)}
+        if len(set(lengths.values())) > 1:
+            found = ", ".join(f"{length} of {name}" for name, length in lengths.items())
+            yield Fault(f"{where}/parameters", "lists of the same length", found)
 
 
 def _value_of(spec: ParameterSpec) -> str:

@@ -3,7 +3,7 @@
 from crashkit.protocols.hypothesis import Hypothesis, Proposal
 from crashkit.protocols.identifier import Identification, Identifier, Problem, Status
 from crashkit.protocols.importer import Importer
-from crashkit.protocols.observer import Observer, SensorErrors
+from crashkit.protocols.observer import Observer, PlainObserver, Reading, SensorErrors
 from crashkit.protocols.parameter import ParameterSpec
 from crashkit.protocols.smoother import Smoother
 from crashkit.protocols.spring_law import SpringLaw
@@ -15,8 +15,10 @@ __all__ = [
     "Importer",
     "Observer",
     "ParameterSpec",
+    "PlainObserver",
     "Problem",
     "Proposal",
+    "Reading",
     "SensorErrors",
     "Smoother",
     "SpringLaw",

@@ -4,7 +4,9 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import ClassVar
 
+import numpy as np
 import xarray as xr
+from attrs import frozen
 
 from crashkit.data.schema import GroupSchema
 from crashkit.protocols.parameter import ParameterSpec
@@ -48,4 +50,36 @@ class Observer(ABC):
         """What the recording alone says of the motion: the variables of a motion that it can give, by body.
 
         Raises CrashkitError where the instrument cannot know, saying what is missing.
+        """
+
+
+@frozen(eq=False)
+class Reading:
+    """What an instrument without errors reads where each channel shows one number of the motion and nothing else.
+
+    z(t) = offset + quantity(t; body, axis), filtered where the instrument states a `channel_frequency_class`; before t = 0 the
+    motion is uniform.
+
+    Arguments:
+        quantity: of the motion, `position`, `velocity`, `acceleration` or `contact_force`.
+        bodies, axes: names, one for each channel in the order of the recorded quantity without its time.
+        offset: what is added, (channel,).
+    """
+
+    quantity: str
+    bodies: tuple[str, ...]
+    axes: tuple[str, ...]
+    offset: np.ndarray
+
+
+class PlainObserver(Observer):
+    """An observer whose instruments may show single numbers of the motion, so that a search need not build a Dataset."""
+
+    @abstractmethod
+    def reading(self, instrument: xr.Dataset, turning: bool) -> Reading | None:
+        """What it reads, where that is all there is to it; None where only `predict` knows.
+
+        Arguments:
+            instrument: group of a recording.
+            turning: whether bodies may turn.
         """

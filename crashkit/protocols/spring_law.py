@@ -48,6 +48,7 @@ class SpringLaw(ABC):
         force: the pure scalar function, as a staticmethod.
         memory_rate: the rate of change of the memory, likewise, if there is one.
         branch, branch_force, branch_slopes: likewise, where the author gives the branches himself.
+        parts: the laws and factors that a combined law is made of.
     """
 
     name: ClassVar[str]
@@ -62,3 +63,4 @@ class SpringLaw(ABC):
     branch: ClassVar[Callable[..., int] | None] = None
     branch_force: ClassVar[Callable[..., tuple[float, float]] | None] = None
     branch_slopes: ClassVar[Callable[..., None] | None] = None
+    parts: ClassVar[tuple[type["SpringLaw"], ...]] = ()

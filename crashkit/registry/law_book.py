@@ -1,4 +1,4 @@
-"""The installed spring laws by name, and their sums: "crush_plateau + peak" is a plateau with a peak on its loading curve."""
+"""The installed spring laws by name, and what is made of several: "crush_plateau + peak", "crush_plateau | maxwell", ..."""
 
 import ast
 import builtins
@@ -9,17 +9,23 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Any
 
-from crashkit.protocols import SpringLaw
+from crashkit.protocols import ParameterSpec, SpringLaw
 
 HOOK = "added = 0.0"
 """The statement after which a law lets other curves be added to its loading curve, at the deformation that it calls `turn`."""
 
 
 class LawBook(Mapping[str, type[SpringLaw]]):
-    """Laws and factors by name; a name such as "a + b" is law a with b added to its loading curve.
+    """Laws and factors by name; a name may also combine several, where they fit together.
 
-    What is added takes part in unloading and in the rate factor of the first law, which a second joint beside it would not.
-    The first law must hold the statement `added = 0.0` after it has set `turn`; what is added must end in its only `return`.
+    - "a | b" is a and b side by side, as two joints at the same place would be: F = F_a + F_b;
+    - "a * f" is law a times the factor f alone, where a joint's `factors` multiply all of its force;
+    - "a + b" is law a with b added to its loading curve. Then b takes part in unloading and in the rate factor of a. The first
+      law must hold the statement `added = 0.0` after it has set `turn`; what is added must end in its only `return`.
+
+    They bind in the order +, *, |. A parameter that two of them declare alike, such as a clearance, is one and the same in
+    "a | b" and "a * f"; no other names may be shared, and one of them at most may have a memory. What has branches of its own,
+    or runs as plain Python, stands alone.
     """
 
     def __init__(self, laws: Mapping[str, type[SpringLaw]]) -> None:
@@ -28,16 +34,41 @@ class LawBook(Mapping[str, type[SpringLaw]]):
     def __getitem__(self, name: str) -> type[SpringLaw]:
         if name in self._laws:
             return self._laws[name]
-        first, plus, added = name.rpartition(" + ")
-        if not plus or not fit_together(self[first], self[added]):
-            raise KeyError(name)
-        return _sum(self[first], self[added])
+        for sign, fits, combine in ((" | ", are_parallel, _joined), (" * ", multiplies, _joined), (" + ", fit_together, _sum)):
+            first, found, second = name.rpartition(sign)
+            if found:
+                if not fits(self[first], self[second]):
+                    raise KeyError(name)
+                return combine(self[first], self[second], sign)
+        raise KeyError(name)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._laws)
 
     def __len__(self) -> int:
         return len(self._laws)
+
+
+def are_parallel(first: type[SpringLaw], second: type[SpringLaw]) -> bool:
+    """Whether two laws can stand side by side in one joint."""
+    return first.unit == second.unit == "N" and _share_no_names(first, second)
+
+
+def multiplies(law: type[SpringLaw], factor: type[SpringLaw]) -> bool:
+    """Whether a factor can multiply a law."""
+    return law.unit == "N" and factor.unit == "1" and _share_no_names(law, factor)
+
+
+def _share_no_names(first: type[SpringLaw], second: type[SpringLaw]) -> bool:
+    """Whether names that both have mean the same, one of them at most has a memory, and both are derived."""
+    specs = _united(first, second)
+    names = [*(spec.name for spec in specs), *(law.memory for law in (first, second) if law.memory)]
+    derived = not any(law.opaque or law.branch for law in (first, second))
+    return derived and len(set(names)) == len(names) and not (first.memory and second.memory)
+
+
+def _united(first: type[SpringLaw], second: type[SpringLaw]) -> tuple[ParameterSpec, ...]:
+    return (*first.parameters, *(spec for spec in second.parameters if spec not in first.parameters))
 
 
 def fit_together(first: type[SpringLaw], added: type[SpringLaw]) -> bool:
@@ -48,20 +79,41 @@ def fit_together(first: type[SpringLaw], added: type[SpringLaw]) -> bool:
 
 def can_take(law: type[SpringLaw]) -> bool:
     """Whether other curves can be added to the law's loading curve."""
-    return law.unit == "N" and any(ast.unparse(node) == HOOK for node in _tree(law).body)
+    return law.unit == "N" and not law.memory and any(ast.unparse(node) == HOOK for node in _tree(law).body)
 
 
 def can_be_added(law: type[SpringLaw]) -> bool:
     """Whether the law can stand in another's loading curve."""
     tree = _tree(law)
     single = sum(isinstance(node, ast.Return) for node in ast.walk(tree)) == 1
-    return law.unit == "N" and single and isinstance(tree.body[-1], ast.Return)
+    return law.unit == "N" and single and isinstance(tree.body[-1], ast.Return) and not law.memory
 
 
 @cache
-def _sum(first: type[SpringLaw], added: type[SpringLaw]) -> type[SpringLaw]:
+def _joined(first: type[SpringLaw], second: type[SpringLaw], sign: str) -> type[SpringLaw]:
+    """One law that calls both, side by side or as law and factor."""
+    name, specs, memory = f"{first.name}{sign}{second.name}", _united(first, second), first.memory or second.memory
+    arguments = ", ".join(["d", "ddot", "d_max", *([memory] if memory else []), *(spec.name for spec in specs)])
+    calls = [f"{part}({', '.join(_arguments(law))})" for part, law in (("first", first), ("second", second))]
+    lines = [f"def force({arguments}):", f"    return {(' * ' if sign == ' * ' else ' + ').join(calls)}"]
+    owner = first if first.memory else second
+    if memory:
+        lines += [f"def memory_rate({arguments}):", f"    return rate({', '.join(_arguments(owner))})"]
+    names = {"first": first.force, "second": second.force, "rate": getattr(owner, "memory_rate", None)}
+    scope = _scope(f"<spring law {name}>", "\n".join(lines) + "\n", names)
+    meaning = f"{first.name} times {second.name}" if sign == " * " else f"{first.name} beside {second.name}"
+    functions: dict[str, Any] = {part: staticmethod(scope[part]) for part in ("force", "memory_rate") if part in scope}
+    return _law(first, second, name, f"{meaning}.", specs, {"memory": memory, **functions})
+
+
+def _arguments(law: type[SpringLaw]) -> list[str]:
+    return ["d", "ddot", "d_max", *([law.memory] if law.memory else []), *(spec.name for spec in law.parameters)]
+
+
+@cache
+def _sum(first: type[SpringLaw], added: type[SpringLaw], sign: str) -> type[SpringLaw]:
     """One law whose loading curve is the sum, written out as source so that the engine can read it like any other."""
-    name = f"{first.name} + {added.name}"
+    name = f"{first.name}{sign}{added.name}"
     tree, other = _tree(first), _tree(added)
     taken = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
     renamed = _Renamed({a.arg for a in other.args.args[3:]}, {*added.force.__globals__, *dir(builtins)}, taken)
@@ -71,19 +123,30 @@ def _sum(first: type[SpringLaw], added: type[SpringLaw]) -> type[SpringLaw]:
     tree.body[place:place] = [*body, *total]
     tree.args.args += other.args.args[3:]
     tree.decorator_list = []
-    force = _function(f"<spring law {name}>", tree, {**added.force.__globals__, **first.force.__globals__})
-    return type(
-        "".join(part.title() for part in name.replace(" + ", "_").split("_")),
-        (SpringLaw,),
-        {
-            "__doc__": f"{first.name} with {added.name} added to its loading curve.",
-            "name": name,
-            "unit": first.unit,
-            "parameters": (*first.parameters, *added.parameters),
-            "passive": first.passive and added.passive,
-            "force": staticmethod(force),
-        },
-    )
+    source = ast.unparse(ast.fix_missing_locations(tree)) + "\n"
+    scope = _scope(f"<spring law {name}>", source, {**added.force.__globals__, **first.force.__globals__})
+    meaning = f"{first.name} with {added.name} added to its loading curve."
+    functions = {"force": staticmethod(scope[tree.name])}
+    return _law(first, added, name, meaning, (*first.parameters, *added.parameters), functions)
+
+
+def _law(
+    first: type[SpringLaw],
+    second: type[SpringLaw],
+    name: str,
+    meaning: str,
+    parameters: tuple[ParameterSpec, ...],
+    others: Mapping[str, Any],
+) -> type[SpringLaw]:
+    declared = {
+        "__doc__": meaning,
+        "name": name,
+        "parameters": parameters,
+        "jumps": first.jumps or second.jumps,
+        "passive": first.passive and second.passive,
+        "parts": (*(first.parts or (first,)), *(second.parts or (second,))),
+    }
+    return type("Combined", (SpringLaw,), {**declared, **others})
 
 
 def _tree(law: type[SpringLaw]) -> ast.FunctionDef:
@@ -96,12 +159,12 @@ def _is_docstring(node: ast.stmt) -> bool:
     return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
 
-def _function(file: str, tree: ast.FunctionDef, names: dict[str, Any]) -> Any:
-    source = ast.unparse(ast.fix_missing_locations(tree)) + "\n"
+def _scope(file: str, source: str, names: Mapping[str, Any]) -> dict[str, Any]:
+    """The functions of a source that can be read again like that of a file."""
     linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
     scope: dict[str, Any] = dict(names)
     exec(compile(source, file, "exec"), scope)
-    return scope[tree.name]
+    return scope
 
 
 class _Renamed(ast.NodeTransformer):

@@ -1,25 +1,21 @@
-"""The contract of spring laws: what a law declares, checked on its own function."""
+"""The contract of spring laws: what a law declares, checked on its own functions, and told in words."""
 
 import inspect
-import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import pytest
 
-from crashkit.mechanics import LawFunction
-from crashkit.mechanics.laws.emit import emit
-from crashkit.protocols import ParameterSpec, SpringLaw
+from crashkit.errors import CrashkitError
+from crashkit.mechanics.laws.own_branches import compile_own, has_own_branches
+from crashkit.mechanics.laws.source import OutsideSubset, state_of
+from crashkit.protocols import SpringLaw
+from crashkit.testing.spring_law_probe import SEEDS, Derived, Point, Probe, Values, branch_end, largest_jump
 
-Values = Mapping[str, float | Sequence[float]]
-Force = Callable[[float, float, float], float]
-Point = tuple[float, float, float]
-
-STATE = ("d", "ddot", "d_max")
-NO_MEMORY = 0.0
 UNIT = re.compile(r"1|[A-Za-z]+(-?\d+)?( [A-Za-z]+(-?\d+)?)*")
+REST: Point = (0.0, 0.0, 0.0, 0.0)
+SMALL = 1e-6
+"""A jump that is none, relative to the largest value."""
 
 
 class SpringLawContract:
@@ -46,23 +42,38 @@ class SpringLawContract:
         return {}
 
     @pytest.fixture
-    def force(self, law: type[SpringLaw], parameters: Values) -> Force:
-        """The law at these parameters, a function of d, ddot, d_max."""
-        values = [_value(spec, parameters) for spec in law.parameters]
-        return lambda d, ddot, d_max: float(law.force(d, ddot, d_max, *values))
+    def probe(self, law: type[SpringLaw], parameters: Values) -> Probe:
+        """The law at these parameters."""
+        return Probe(law, parameters, (self.largest_deformation, self.largest_rate))
 
     @pytest.fixture
-    def derived(self, law: type[SpringLaw], parameters: Values) -> "Derived":
-        """What the engine makes of the law's source, before it is compiled."""
-        return Derived(law, parameters)
+    def derived(self, probe: Probe) -> list[Derived]:
+        """What the engine makes of each of the law's functions, before it is compiled."""
+        try:
+            return [probe.derived(part) for part in probe.parts]
+        except OutsideSubset as error:
+            if probe.law.opaque:
+                pytest.skip(f"{probe.law.name} is declared opaque: it runs slowly and gives no sensitivities")
+            pytest.fail(
+                f"{error}. Else give branch, branch_force and branch_slopes, or declare opaque = True: then the law runs as "
+                "plain Python, slowly and without sensitivities"
+            )
 
-    def test_the_function_takes_the_state_and_the_declared_parameters(self, law: type[SpringLaw]) -> None:
-        found = tuple(inspect.signature(law.force).parameters)
-        expected = (*STATE, *(spec.name for spec in law.parameters))
-        assert found == expected, f"the arguments of force: expected {', '.join(expected)}, found {', '.join(found)}"
+    # declaration
+
+    def test_the_functions_take_the_state_and_the_declared_parameters(self, law: type[SpringLaw]) -> None:
+        assert isinstance(law, type), f"the fixture law: expected the class, found the instance {law!r}"
+        expected = (*state_of(law), *(spec.name for spec in law.parameters))
+        for part in ("force", "memory_rate") if law.memory else ("force",):
+            assert hasattr(law, part), f"{law.name} has a memory, {law.memory}: expected memory_rate, found none"
+            found = tuple(inspect.signature(getattr(law, part)).parameters)
+            assert found == expected, f"the arguments of {part}: expected {', '.join(expected)}, found {', '.join(found)}"
 
     def test_names_and_units_are_those_of_the_data_contract(self, law: type[SpringLaw]) -> None:
         assert law.unit in ("N", "1"), f'the unit of {law.name}: expected "N" (a law) or "1" (a factor), found "{law.unit}"'
+        assert law.memory == "" or law.memory.isidentifier(), (
+            f"the memory of {law.name}: expected an identifier, found {law.memory!r}"
+        )
         for spec in law.parameters:
             assert spec.name.isidentifier(), f"the name of a parameter: expected an identifier, found {spec.name!r}"
             assert UNIT.fullmatch(spec.unit), (
@@ -87,147 +98,126 @@ class SpringLawContract:
             inside = all(spec.lower <= entry <= spec.upper or entry == spec.null for entry in np.atleast_1d(value))
             assert inside, f"the value of {name}: expected within {spec.lower} to {spec.upper}, found {value}"
 
-    def test_the_value_is_finite(self, law: type[SpringLaw], force: Force) -> None:
-        for point in self._points():
-            assert np.isfinite(force(*point)), f"{law.name} at {_where(point)}: expected a finite value, found {force(*point)}"
+    # behaviour
 
-    def test_the_value_is_continuous(self, law: type[SpringLaw], force: Force) -> None:
-        points = list(self._points())
-        scale = max(abs(force(*point)) for point in points)
-        for start, end in zip(points, points[1:], strict=False):
-            jump, where = _largest_jump(force, start, end)
-            assert jump <= 1e-6 * scale, f"{law.name} jumps by {jump:g} at {_where(where)}: expected a continuous value"
+    def test_the_value_is_finite(self, law: type[SpringLaw], probe: Probe) -> None:
+        for part in probe.parts:
+            function = probe.function(part)
+            for point in probe.points():
+                assert np.isfinite(function(point)), (
+                    f"{part} of {law.name} at {_where(law, point)}: expected a finite value, found {function(point)}"
+                )
 
-    def test_no_deformation_no_force(self, law: type[SpringLaw], force: Force) -> None:
+    def test_the_value_is_continuous_or_declared_to_jump(self, law: type[SpringLaw], probe: Probe) -> None:
+        points = list(probe.points())
+        for part in () if law.jumps else probe.parts:
+            function = probe.function(part)
+            scale = max(abs(function(point)) for point in points)
+            for start, end in zip(points, points[1:], strict=False):
+                jump, where = largest_jump(function, start, end)
+                assert abs(jump) <= SMALL * scale, (
+                    f"{part} of {law.name} jumps by {abs(jump):g} at {_where(law, where)}: "
+                    "expected a continuous value (or jumps = True)"
+                )
+
+    def test_a_jump_does_not_hold_the_joint(self, law: type[SpringLaw], probe: Probe) -> None:
+        """A force that rises by a jump with the rate brakes on one side and speeds up on the other: nothing gets past."""
+        if law.jumps:
+            scale = max(abs(probe.force(point)) for point in probe.points())
+            for d, _, d_max, memory in probe.points(50):
+                slow, fast = ((d, sign * self.largest_rate, d_max, memory) for sign in (-1.0, 1.0))
+                jump, where = largest_jump(probe.force, slow, fast)
+                assert jump <= SMALL * scale, (
+                    f"{law.name} rises by a jump of {jump:g} with the rate at {_where(law, where)}, which would hold the "
+                    "joint there: expected a smooth rise, such as tanh(ddot / slip_rate)"
+                )
+
+    def test_no_deformation_no_force(self, law: type[SpringLaw], probe: Probe) -> None:
         if law.unit == "N" and not self.preload:
-            found = force(0.0, 0.0, 0.0)
+            found = probe.force(REST)
             assert found == 0.0, f"{law.name} undeformed and at rest: expected no force (or preload = True), found {found:g} N"
 
-    def test_a_passive_law_gives_out_no_more_energy_than_it_took_in(self, law: type[SpringLaw], force: Force) -> None:
+    def test_a_memory_rests_where_nothing_happens(self, law: type[SpringLaw], probe: Probe) -> None:
+        if law.memory and not self.preload:
+            found = probe.function("memory_rate")(REST)
+            assert found == 0.0, (
+                f"the memory of {law.name}, undeformed, at rest and at 0: expected a rate of 0 (or preload = True), "
+                f"found {found:g}"
+            )
+
+    def test_a_passive_law_gives_out_no_more_energy_than_it_took_in(self, law: type[SpringLaw], probe: Probe) -> None:
         if law.unit == "N" and law.passive:
-            for seed in range(20):
-                stored, taken = self._energy(force, seed)
+            for seed in range(SEEDS):
+                stored, taken = probe.energy(seed)
                 assert stored >= -1e-3 * taken, (
                     f"{law.name} gave out {-stored:g} J more than it took in, of {taken:g} J: expected a passive law "
                     "(or passive = False)"
                 )
 
-    def test_a_factor_is_one_where_its_physics_is_absent(self, law: type[SpringLaw], parameters: Values) -> None:
+    def test_a_factor_is_one_where_its_physics_is_absent(self, law: type[SpringLaw], probe: Probe) -> None:
         if law.unit == "1":
             null = {spec.name: spec.null for spec in law.parameters if spec.null is not None}
             assert null, f"{law.name} is a factor: expected a parameter with a null, at which it is 1"
-            values = [_value(spec, {**parameters, **null}) for spec in law.parameters]
-            for point in self._points():
-                found = law.force(*point, *values)
-                assert found == pytest.approx(1.0), f"{law.name} at its null and {_where(point)}: expected 1, found {found:g}"
-
-    def test_a_factor_never_turns_a_force_round(self, law: type[SpringLaw], force: Force) -> None:
-        if law.unit == "1":
-            for point in self._points():
-                assert force(*point) >= 0.0, f"{law.name} at {_where(point)}: expected 0 or more, found {force(*point):g}"
-
-    def test_the_engine_reads_the_function_right(self, derived: "Derived", force: Force) -> None:
-        for point in self._points():
-            found, expected = derived.value(point), force(*point)
-            assert found == pytest.approx(expected, rel=1e-9, abs=1e-12), (
-                f"at {_where(point)}: expected {expected}, found {found}"
-            )
-
-    def test_the_engine_derives_the_function_right(self, law: type[SpringLaw], derived: "Derived") -> None:
-        for point in self._points():
-            for name, found, expected, error in derived.slopes(point):
-                assert abs(found - expected) <= error, (
-                    f"the derivative of {law.name} to {name} at {_where(point)}: expected {expected:g}, found {found:g}"
+            function = probe.function("force", {**probe.parameters, **null})
+            for point in probe.points():
+                found = function(point)
+                assert found == pytest.approx(1.0), (
+                    f"{law.name} at its null and {_where(law, point)}: expected 1, found {found:g}"
                 )
 
-    def _points(self, count: int = 200) -> Iterator[Point]:
-        """States that a joint can be in: half of them being loaded further than ever before."""
-        random = np.random.default_rng(0)
-        for index in range(count):
-            d = random.uniform(-0.2, 1.0) * self.largest_deformation
-            ddot = random.uniform(-1.0, 1.0) * self.largest_rate
-            more = random.uniform(0.0, 0.5) * self.largest_deformation if index % 2 else 0.0
-            yield d, ddot, max(d, 0.0) + more
+    def test_a_factor_never_turns_a_force_round(self, law: type[SpringLaw], probe: Probe) -> None:
+        if law.unit == "1":
+            for point in probe.points():
+                found = probe.force(point)
+                assert found >= 0.0, f"{law.name} at {_where(law, point)}: expected 0 or more, found {found:g}"
 
-    def _energy(self, force: Force, seed: int, count: int = 4000) -> tuple[float, float]:
-        """J, the least that the law holds along a random path from rest and no deformation, and the most."""
-        random = np.random.default_rng(seed)
-        phase = np.linspace(0.0, 2.0 * np.pi, count)
-        waves = sum(random.normal() * np.sin(n * phase) / n for n in range(1, 6))
-        path = waves / np.abs(waves).max() * self.largest_deformation
-        rate = np.gradient(path, phase)
-        rate *= self.largest_rate / np.abs(rate).max()
-        largest = np.maximum.accumulate(np.maximum(path, 0.0))
-        forces = np.array([force(*map(float, state)) for state in zip(path, rate, largest, strict=True)])
-        held = np.cumsum(0.5 * (forces[1:] + forces[:-1]) * np.diff(path))
-        return float(held.min()), float(np.abs(held).max())
+    # what the engine makes of it
 
+    def test_the_engine_reads_the_functions_right(self, law: type[SpringLaw], probe: Probe, derived: list[Derived]) -> None:
+        for one in derived:
+            function, part = probe.function(one.function.part), one.function.part
+            for point in probe.points():
+                (found, guard), expected = one.value(point), function(point)
+                assert found == pytest.approx(expected, rel=1e-9, abs=1e-12), (
+                    f"{part} of {law.name} at {_where(law, point)}: expected {expected}, found {found}"
+                )
+                assert guard >= 0.0, (
+                    f"the distance to the end of the branch of {law.name} at {_where(law, point)}, which is on it: "
+                    f"expected 0 or more, found {guard:g}"
+                )
 
-def _value(spec: ParameterSpec, parameters: Values) -> float | Sequence[float]:
-    value = parameters.get(spec.name, spec.default)
-    if value is None:
-        pytest.fail(f"the fixture parameters: expected a value for {spec.name}, which has no default")
-    return value
+    def test_the_engine_derives_the_functions_right(self, law: type[SpringLaw], probe: Probe, derived: list[Derived]) -> None:
+        for one in derived:
+            for point in probe.points():
+                for name, found, expected, error in one.slopes(point):
+                    assert abs(found - expected) <= error, (
+                        f"the derivative of {one.function.part} of {law.name} to {name} at {_where(law, point)}: "
+                        f"expected {expected:g}, found {found:g}"
+                    )
 
+    def test_a_branch_says_where_it_ends(self, law: type[SpringLaw], probe: Probe, derived: list[Derived]) -> None:
+        points = list(probe.points())
+        for one in (one for one in derived if has_own_branches(one.function)):
+            distances = (abs(one.value(point)[1]) for point in points)
+            scale = max((distance for distance in distances if np.isfinite(distance)), default=1.0)
+            for start, end in zip(points, points[1:], strict=False):
+                if one.mode(start) != one.mode(end):
+                    mode = one.mode(start)
+                    inside, outside = branch_end(one, start, end)
+                    found = one.value(inside, mode)[1], one.value(outside, mode)[1]
+                    assert found[0] >= -1e-9 * scale and found[1] <= 1e-9 * scale, (
+                        f"branch {mode} of {law.name} ends at {_where(law, inside)}: expected its distance to vanish there, "
+                        f"found {found[0]:g} within and {found[1]:g} beyond"
+                    )
 
-class Derived:
-    """The functions that the engine writes for a law, run as plain Python."""
-
-    def __init__(self, law: type[SpringLaw], parameters: Values) -> None:
-        values = {spec.name: np.atleast_1d(_value(spec, parameters)).astype(float) for spec in law.parameters}
-        sizes = tuple(values[spec.name].size for spec in law.parameters if spec.vector)
-        self.vector = np.concatenate([*values.values(), np.empty(0)])
-        self.names = [*STATE, *(spec.name for spec in law.parameters for _ in values[spec.name])]
-        self.movable = [True] * len(STATE) + [
-            spec.free and value not in (0.0, spec.null) for spec in law.parameters for value in values[spec.name]
-        ]
-        self.written: dict[str, Any] = {"math": math, "compiled": lambda function: function, "power_slope": _power_slope}
-        exec(emit(LawFunction(law, sizes), "law"), self.written)
-
-    def value(self, point: Point) -> float:
-        """The value with the branches that the state takes."""
-        return float(self.written["law_frozen"](self._mode(point, self.vector), *point, NO_MEMORY, self.vector, 0)[0])
-
-    def slopes(self, point: Point) -> Iterator[tuple[str, float, float, float]]:
-        """By name: the derivative, the central difference and its error; without those for which the branch changes."""
-        inputs = np.array([*point, *self.vector])
-        found = np.empty(inputs.size + 1)
-        mode = self._mode(point, self.vector)
-        self.written["law_partials"](mode, *point, NO_MEMORY, self.vector, 0, found)
-        found = np.delete(found, len(STATE))
-        for index in np.flatnonzero(self.movable):
-            step = 1e-5 * (abs(inputs[index]) or 1.0)
-            moved = [inputs + sign * step * (np.arange(inputs.size) == index) for sign in (1.0, -1.0)]
-            if all(self._mode(near[:3], near[3:]) == mode for near in moved):
-                above, below = (float(self.written["law_frozen"](mode, *near[:3], NO_MEMORY, near[3:], 0)[0]) for near in moved)
-                expected = (above - below) / (2.0 * step)
-                error = 1e-5 * max(abs(expected), abs(found[index])) + 1e-9 * (abs(above) + abs(below)) / step + 1e-12
-                yield self.names[index], float(found[index]), expected, error
-
-    def _mode(self, state: Iterable[float], vector: np.ndarray) -> int:
-        return int(self.written["law_mode"](*state, NO_MEMORY, vector, 0))
+    def test_branches_of_its_own_can_be_compiled(self, law: type[SpringLaw], probe: Probe, derived: list[Derived]) -> None:
+        for one in (one for one in derived if has_own_branches(one.function)):
+            try:
+                compile_own(one.function, next(probe.points()), one.vector)
+            except CrashkitError as error:
+                pytest.fail(str(error))
 
 
-def _power_slope(base: float, exponent: float) -> float:
-    return base**exponent * math.log(base) if base > 0.0 else 0.0
-
-
-def _where(point: Point) -> str:
-    return "d = {:g} m, ddot = {:g} m/s, d_max = {:g} m".format(*point)
-
-
-def _largest_jump(force: Force, start: Point, end: Point, count: int = 64) -> tuple[float, Point]:
-    """The change of force left where the steepest part of the way between two states is halved down to nothing."""
-
-    def at(share: float) -> Point:
-        return tuple((1.0 - share) * a + share * b for a, b in zip(start, end, strict=True))  # type: ignore[return-value]
-
-    shares = np.linspace(0.0, 1.0, count)
-    forces = np.array([force(*at(share)) for share in shares])
-    steepest = int(np.argmax(np.abs(np.diff(forces))))
-    low, high = shares[steepest], shares[steepest + 1]
-    for _ in range(50):
-        middle = 0.5 * (low + high)
-        before, after = (abs(force(*at(middle)) - force(*at(edge))) for edge in (low, high))
-        low, high = (low, middle) if before > after else (middle, high)
-    return abs(force(*at(high)) - force(*at(low))), at(middle)
+def _where(law: type[SpringLaw], point: Point) -> str:
+    memory = f", {law.memory} = {point[3]:g}" if law.memory else ""
+    return f"d = {point[0]:g} m, ddot = {point[1]:g} m/s, d_max = {point[2]:g} m{memory}"

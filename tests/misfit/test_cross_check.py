@@ -7,7 +7,7 @@ from scipy.interpolate import CubicSpline
 
 from crashkit.errors import CrashkitError
 from crashkit.misfit.cross_check import cross_check
-from crashkit_accelerometers import Accelerometer, recorded
+from crashkit_accelerometers import Accelerometer, accelerometers, recorded, tumbling
 from crashkit_cameras import Film
 
 TIMES = np.arange(1201) * 1e-4
@@ -159,3 +159,25 @@ def test_too_few_frames_are_refused() -> None:
     recording["film"]["position"][3:] = np.nan
     with pytest.raises(CrashkitError, match="expected at least 4 frames that the accelerometers cover, found 3"):
         cross_check(recording, OBSERVERS)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.05])
+def test_a_body_that_turns_is_followed_by_its_markers(tilt) -> None:
+    """Two biaxial sensors in the plane, two targets away from them."""
+    motion = tumbling(TIMES, 0.3, 0.0, 0.0)
+    points = {"front": (0.6, 0.1), "rear": (-0.5, 0.0)}
+    sensors = accelerometers(points, TIMES, "car", "xy", std=2.0, channel_frequency_class=180)
+    felt = recorded(Accelerometer(), motion, sensors, {"front": {"tilt_z": tilt}})
+    film = xr.Dataset(
+        {
+            "position": (("time", "marker", "axis"), np.zeros((120, 2, 2)), {"units": "m"}),
+            "marker_body": ("marker", ["car", "car"]),
+            "marker_point": (("marker", "axis"), [[0.9, 0.5], [-0.7, -0.4]]),
+            "position_std": ("marker", [1e-3, 1e-3]),
+        },
+        {"time": FRAMES, "marker": ["bonnet", "boot"], "axis": ["x", "y"]},
+        {"observer": "film"},
+    )
+    seen = recorded(Film(), motion, film)
+    check = cross_check(xr.DataTree.from_dict({"film": seen, "accelerometer": felt}), OBSERVERS)
+    assert bool(check["consistent"][0]) == (tilt == 0.0)

@@ -61,6 +61,7 @@ JOINT = np.dtype(
         ("loading", np.int64),  # 1 while the joint is loaded beyond its largest deformation, so that d_max is d itself
         ("gradient", np.float64, (18,)),  # of the deformation to the positions of its bodies, then to its attachments
         ("hessian", np.float64, (12, 18)),  # of the deformation: derivatives of the first part of the gradient
+        ("bend", np.float64, (18,)),  # derivatives of the deformation rate to what the gradient is to
     ],
     align=True,
 )

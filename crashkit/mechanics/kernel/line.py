@@ -48,6 +48,31 @@ def to_rotations_adjoint(bodies, state, backward, chart):
 
 
 @compiled
+def gradient_row(joint):
+    """The gradient to the positions."""
+    return joint.gradient[0], joint.gradient[1]
+
+
+@compiled
+def bend_row(joint):
+    """The derivatives of the deformation rate to the positions."""
+    return joint.bend[0], joint.bend[1]
+
+
+@compiled
+def hessian_row(joint, i, factor):
+    """A row of the Hessian to the positions, times a factor."""
+    return factor * joint.hessian[i, 0], factor * joint.hessian[i, 1]
+
+
+@compiled
+def add_columns(w, tangent, row, a, b, out, place):
+    """Add the weighted derivatives of the coordinates from a and from b on to a row of `out`."""
+    for c in range(out.shape[1]):
+        out[place, c] += w[0] * tangent[row, a, c] + w[1] * tangent[row, b, c]
+
+
+@compiled
 def rates(bodies, state, row):
     """The derivatives of the positions."""
     size = state.shape[1] // 2

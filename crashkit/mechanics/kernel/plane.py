@@ -73,47 +73,46 @@ def measure(bodies, joint, state, row):
 
 
 @compiled
-def nudge(bodies, joint, end, m):
-    """How the attachment of an end moves: by its body's two coordinates and angle, then by its own two."""
-    if m == 0:
-        return 1.0, 0.0
-    if m == 1:
-        return 0.0, 1.0
-    body = joint.second if end else joint.first
-    if m == 2:
-        x, y = arm(bodies[body], joint.places[3 * end], joint.places[3 * end + 1])
-        return -y, x
-    return arm(bodies[body], 1.0 if m == 3 else 0.0, 1.0 if m == 4 else 0.0)
+def curve(bodies, joint, state, row):
+    """The derivatives of the gradient to the displacements of the two bodies and to the two attachments.
+
+    With t across n, a line's are -T T' / length with T = (t, n r_a, -t, -n r_b), and what the arms add as they turn.
+    """
+    nx, ny, length, ax, ay, bx, by = direction(bodies, joint, state, row)
+    along_a, along_b = nx * ax + ny * ay, nx * bx + ny * by
+    hessian = joint.hessian
+    for k in range(10):
+        for i in range(6):
+            hessian[i, k] = 0.0
+    across = (-ny, nx, along_a, ny, -nx, -along_b)
+    if joint.face:
+        for i in range(6):
+            hessian[i, 2] = across[i]
+            hessian[2, i] = across[i]
+    else:
+        for i in range(6):
+            for k in range(6):
+                hessian[i, k] = -across[i] * across[k] / length
+        hessian[2, 2] -= along_a
+    hessian[5, 5] += along_b
+    for m in range(4):
+        curve_to_point(bodies, joint, m, nx, ny, length, across)
 
 
 @compiled
-def curve(bodies, joint, state, row):
-    """The derivatives of the gradient to the displacements of the two bodies and to the two attachments."""
-    nx, ny, length, ax, ay, bx, by = direction(bodies, joint, state, row)
-    for end in range(2):
-        side = 2.0 * end - 1.0
-        for m in range(5):
-            k = 3 * end + m if m < 3 else 6 + 2 * end + m - 3
-            px, py = nudge(bodies, joint, end, m)
-            dx, dy = side * px, side * py
-            dax, day, dbx, dby = 0.0, 0.0, 0.0, 0.0
-            if m >= 2 and end == 0:
-                dax, day = px, py
-            if m >= 2 and end == 1:
-                dbx, dby = px, py
-            if joint.face:
-                turn = 1.0 if end == 0 and m == 2 else 0.0
-                dnx, dny = -turn * ny, turn * nx
-                dax, day = dax + dx, day + dy
-            else:
-                along = nx * dx + ny * dy
-                dnx, dny = (dx - nx * along) / length, (dy - ny * along) / length
-            joint.hessian[0, k] = dnx
-            joint.hessian[1, k] = dny
-            joint.hessian[2, k] = dax * ny - day * nx + ax * dny - ay * dnx
-            joint.hessian[3, k] = -dnx
-            joint.hessian[4, k] = -dny
-            joint.hessian[5, k] = dby * nx - dbx * ny + by * dnx - bx * dny
+def curve_to_point(bodies, joint, m, nx, ny, length, across):
+    """The derivatives of the gradient to a coordinate of an attachment."""
+    end, axis = m // 2, m % 2
+    x, y = arm(bodies[joint.second if end else joint.first], 1.0 - axis, 1.0 * axis)
+    turning = x * ny - y * nx
+    if joint.face:
+        joint.hessian[2, 6 + m] = turning * end
+        joint.hessian[5, 6 + m] = -turning * end
+        return
+    moved = (2.0 * end - 1.0) * (nx * y - ny * x) / length
+    for i in range(6):
+        joint.hessian[i, 6 + m] = moved * across[i]
+    joint.hessian[5 if end else 2, 6 + m] += -turning if end else turning
 
 
 @compiled
@@ -124,6 +123,46 @@ def to_rotations(bodies, state, tangent, row, chart):
 @compiled
 def to_rotations_adjoint(bodies, state, backward, chart):
     """The adjoint of `to_rotations`."""
+
+
+@compiled
+def gradient_row(joint):
+    """The gradient to the positions."""
+    return (
+        joint.gradient[0],
+        joint.gradient[1],
+        joint.gradient[2],
+        joint.gradient[3],
+        joint.gradient[4],
+        joint.gradient[5],
+    )
+
+
+@compiled
+def bend_row(joint):
+    """The derivatives of the deformation rate to the positions."""
+    return joint.bend[0], joint.bend[1], joint.bend[2], joint.bend[3], joint.bend[4], joint.bend[5]
+
+
+@compiled
+def hessian_row(joint, i, factor):
+    """A row of the Hessian to the positions, times a factor."""
+    return (
+        factor * joint.hessian[i, 0],
+        factor * joint.hessian[i, 1],
+        factor * joint.hessian[i, 2],
+        factor * joint.hessian[i, 3],
+        factor * joint.hessian[i, 4],
+        factor * joint.hessian[i, 5],
+    )
+
+
+@compiled
+def add_columns(w, tangent, row, a, b, out, place):
+    """Add the weighted derivatives of the coordinates from a and from b on to a row of `out`."""
+    for c in range(out.shape[1]):
+        first = w[0] * tangent[row, a, c] + w[1] * tangent[row, a + 1, c] + w[2] * tangent[row, a + 2, c]
+        out[place, c] += first + w[3] * tangent[row, b, c] + w[4] * tangent[row, b + 1, c] + w[5] * tangent[row, b + 2, c]
 
 
 @compiled

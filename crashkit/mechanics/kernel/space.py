@@ -258,6 +258,80 @@ def curve(bodies, joint, state, row):
 
 
 @compiled
+def gradient_row(joint):
+    """The gradient to the positions."""
+    return (
+        joint.gradient[0],
+        joint.gradient[1],
+        joint.gradient[2],
+        joint.gradient[3],
+        joint.gradient[4],
+        joint.gradient[5],
+        joint.gradient[6],
+        joint.gradient[7],
+        joint.gradient[8],
+        joint.gradient[9],
+        joint.gradient[10],
+        joint.gradient[11],
+    )
+
+
+@compiled
+def bend_row(joint):
+    """The derivatives of the deformation rate to the positions."""
+    return (
+        joint.bend[0],
+        joint.bend[1],
+        joint.bend[2],
+        joint.bend[3],
+        joint.bend[4],
+        joint.bend[5],
+        joint.bend[6],
+        joint.bend[7],
+        joint.bend[8],
+        joint.bend[9],
+        joint.bend[10],
+        joint.bend[11],
+    )
+
+
+@compiled
+def hessian_row(joint, i, factor):
+    """A row of the Hessian to the positions, times a factor."""
+    return (
+        factor * joint.hessian[i, 0],
+        factor * joint.hessian[i, 1],
+        factor * joint.hessian[i, 2],
+        factor * joint.hessian[i, 3],
+        factor * joint.hessian[i, 4],
+        factor * joint.hessian[i, 5],
+        factor * joint.hessian[i, 6],
+        factor * joint.hessian[i, 7],
+        factor * joint.hessian[i, 8],
+        factor * joint.hessian[i, 9],
+        factor * joint.hessian[i, 10],
+        factor * joint.hessian[i, 11],
+    )
+
+
+@compiled
+def add_columns(w, tangent, row, a, b, out, place):
+    """Add the weighted derivatives of the coordinates from a and from b on to a row of `out`."""
+    for c in range(out.shape[1]):
+        first = w[0] * tangent[row, a, c] + w[1] * tangent[row, a + 1, c] + w[2] * tangent[row, a + 2, c]
+        second = w[3] * tangent[row, a + 3, c] + w[4] * tangent[row, a + 4, c] + w[5] * tangent[row, a + 5, c]
+        third = w[6] * tangent[row, b, c] + w[7] * tangent[row, b + 1, c] + w[8] * tangent[row, b + 2, c]
+        out[place, c] += (
+            first
+            + second
+            + third
+            + w[9] * tangent[row, b + 3, c]
+            + w[10] * tangent[row, b + 4, c]
+            + w[11] * tangent[row, b + 5, c]
+        )
+
+
+@compiled
 def to_rotations(bodies, state, tangent, row, chart):
     """Derivatives of phi become those of the rotations, with phi of the row `chart` of the state."""
     for i in range(3, 6 * bodies.size, 6):

@@ -27,7 +27,19 @@ from crashkit.mechanics.kernel.arrays import (
     TO_RATE,
 )
 from crashkit.mechanics.kernel.forces import add_given, begin_forces, kinematics, push
-from crashkit.mechanics.kernel.line import AXES, CURVED, DOF, curve, rates_tangent, respond_tangent, to_rotations
+from crashkit.mechanics.kernel.line import (
+    AXES,
+    CURVED,
+    DOF,
+    add_columns,
+    bend_row,
+    curve,
+    gradient_row,
+    hessian_row,
+    rates_tangent,
+    respond_tangent,
+    to_rotations,
+)
 from crashkit.mechanics.kernel.stand_ins import compiled, law_guard, law_partials
 
 # ---- compiled from here ----
@@ -60,13 +72,9 @@ def joint_partials(joint, functions, parameters, partials, state, row):
 @compiled
 def deformation_tangent(joint, tangent, own, row):
     """Derivatives of a joint's deformation."""
-    a, b = DOF * joint.first, DOF * joint.second
     for c in range(tangent.shape[2]):
         own[DEFORMATION, c] = own[REST, c]
-    for i in range(DOF):
-        to_a, to_b = joint.gradient[i], joint.gradient[DOF + i]
-        for c in range(tangent.shape[2]):
-            own[DEFORMATION, c] += to_a * tangent[row, a + i, c] + to_b * tangent[row, b + i, c]
+    add_columns(gradient_row(joint), tangent, row, DOF * joint.first, DOF * joint.second, own, DEFORMATION)
     for m in range(2 * AXES):
         if joint.point_columns[m] >= 0:
             own[DEFORMATION, joint.point_columns[m]] += joint.gradient[2 * DOF + m]
@@ -79,21 +87,19 @@ def rate_tangent(bodies, joint, state, tangent, own, row):
     a, b = DOF * joint.first, DOF * joint.second
     for c in range(tangent.shape[2]):
         own[RATE, c] = 0.0
-    for i in range(DOF):
-        to_a, to_b = joint.gradient[i], joint.gradient[DOF + i]
-        for c in range(tangent.shape[2]):
-            own[RATE, c] += to_a * tangent[row, n + a + i, c] + to_b * tangent[row, n + b + i, c]
+    add_columns(gradient_row(joint), tangent, row, n + a, n + b, own, RATE)
     if CURVED:
         for k in range(2 * DOF + 2 * AXES):
-            bend = 0.0
-            for i in range(DOF):
-                bend += joint.hessian[i, k] * state[row, n + a + i] + joint.hessian[DOF + i, k] * state[row, n + b + i]
-            if k < 2 * DOF:
-                q = a + k if k < DOF else b + k - DOF
-                for c in range(tangent.shape[2]):
-                    own[RATE, c] += bend * tangent[row, q, c]
-            elif joint.point_columns[k - 2 * DOF] >= 0:
-                own[RATE, joint.point_columns[k - 2 * DOF]] += bend
+            if k < 2 * DOF or joint.point_columns[k - 2 * DOF] >= 0:
+                bend = 0.0
+                for i in range(DOF):
+                    first, second = joint.hessian[i, k], joint.hessian[DOF + i, k]
+                    bend += first * state[row, n + a + i] + second * state[row, n + b + i]
+                joint.bend[k] = bend
+        add_columns(bend_row(joint), tangent, row, a, b, own, RATE)
+        for m in range(2 * AXES):
+            if joint.point_columns[m] >= 0:
+                own[RATE, joint.point_columns[m]] += joint.bend[2 * DOF + m]
 
 
 @compiled
@@ -142,14 +148,14 @@ def net_tangent_of(joint, tangent, own, net_tangent, row):
         for c in range(tangent.shape[2]):
             net_tangent[place, c] -= slope * own[FORCE, c]
         if CURVED:
-            for k in range(2 * DOF):
-                q = a + k if k < DOF else b + k - DOF
-                bend = joint.force * joint.hessian[i, k]
-                for c in range(tangent.shape[2]):
-                    net_tangent[place, c] -= bend * tangent[row, q, c]
-            for m in range(2 * AXES):
-                if joint.point_columns[m] >= 0:
-                    net_tangent[place, joint.point_columns[m]] -= joint.force * joint.hessian[i, 2 * DOF + m]
+            add_columns(hessian_row(joint, i, -joint.force), tangent, row, a, b, net_tangent, place)
+    if CURVED:
+        for m in range(2 * AXES):
+            column = joint.point_columns[m]
+            if column >= 0:
+                for i in range(2 * DOF):
+                    place = a + i if i < DOF else b + i - DOF
+                    net_tangent[place, column] -= joint.force * joint.hessian[i, 2 * DOF + m]
 
 
 @compiled

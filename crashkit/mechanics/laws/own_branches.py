@@ -1,6 +1,12 @@
 """A law whose author gives its branches and their derivatives himself: what the engine calls, around his functions."""
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numba
+import numpy as np
+from numba.core.errors import NumbaError
 
 from crashkit.errors import CrashkitError
 from crashkit.mechanics.laws.paste import paste
@@ -52,6 +58,25 @@ def check_own(law: type[SpringLaw]) -> None:
             f"spring law {law.name}: expected a law with branches of its own to be continuous, found jumps = True; "
             "keep what jumps to a factor whose `force` alone says all"
         )
+
+
+def compile_own(function: LawFunction, point: Sequence[float], numbers: np.ndarray) -> None:
+    """Raise CrashkitError where numba cannot compile one of the author's functions.
+
+    Arguments:
+        function: of the law.
+        point: d, ddot, d_max and memory, at which they are called.
+        numbers: of the parameters.
+    """
+    scope: dict[str, Any] = {"math": math, "np": np, "compiled": numba.njit(error_model="numpy")}
+    exec(compile(emit_own(function, "law"), f"<{function.law.name}>", "exec"), scope)
+    try:
+        mode = scope["law_mode"](*point, numbers, 0)
+        scope["law_frozen"](mode, *point, numbers, 0)
+        scope["law_partials"](mode, *point, numbers, 0, np.zeros(4 + numbers.size))
+    except NumbaError as error:
+        reason = next((line.strip() for line in str(error).splitlines() if line.strip()), "")
+        raise CrashkitError(f"spring law {function.law.name}: numba cannot compile its branches: {reason}") from error
 
 
 def _parameters(function: LawFunction) -> Iterator[str]:

@@ -5,7 +5,7 @@ import xarray as xr
 
 from crashkit.data.schema import Attribute, GroupSchema, Variable
 from crashkit.errors import CrashkitError
-from crashkit.protocols import Observer, SensorErrors
+from crashkit.protocols import PlainObserver, Reading, SensorErrors
 from crashkit_accelerometers.chain import Own
 from crashkit_accelerometers.error_specs import AXES, CLOCK, POSITION_ERRORS, channel_errors
 from crashkit_accelerometers.point_acceleration import felt_by_points
@@ -16,12 +16,13 @@ from crashkit_accelerometers.sensor_channel import (
     bodies_of,
     felt_in_laboratory,
     own_errors,
+    plain_reading,
     predict_channels,
     reconstruct_bodies,
 )
 
 
-class Accelerometer(Observer):
+class Accelerometer(PlainObserver):
     """A sensor at the point p of a body feels a + alpha x R p + omega x (omega x R p), and records it with its own errors.
 
     `frame` = "body": its axes turn with the body; "laboratory": they do not. Where a body does not turn, every point of it has
@@ -58,6 +59,12 @@ class Accelerometer(Observer):
         else:
             felt = felt_in_laboratory(self, motion, "acceleration", bodies)
         return predict_channels(self, motion, instrument, own, felt)
+
+    def reading(self, instrument: xr.Dataset, turning: bool) -> Reading | None:
+        """The accelerations of the bodies; None where sensors turn with them, or sit away from a centre of mass that turns."""
+        if turning and (instrument.attrs.get("frame") == "body" or instrument.variables["sensor_point"].values.any()):
+            return None
+        return plain_reading(instrument, "acceleration")
 
     def reconstruct(self, instrument: xr.Dataset) -> xr.Dataset:
         """What the sensors tell of the motion without knowing how it began.

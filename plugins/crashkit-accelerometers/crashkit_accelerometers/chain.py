@@ -13,18 +13,18 @@ Own = dict[str, np.ndarray]
 
 
 class Chain:
-    """Channels on their way through the chain, with their derivatives; each effect at its null leaves them alone.
+    """Channels on their way through the chain, with their derivatives; an effect at its null leaves them alone.
 
     Arguments:
         value: (time, channel).
-        errors: derivatives by the name of an error, (time, channel).
-        model: derivatives to the model's parameters, (time, channel, parameter), or None.
+        errors: derivatives by the name of an error, (time, channel); None: those to errors are not asked for.
+        model: derivatives to the model's parameters, (time, channel, parameter), if there are any.
         own: error parameters, (channel,).
         times: s, time stamps.
     """
 
     def __init__(
-        self, value: np.ndarray, errors: dict[str, np.ndarray], model: np.ndarray | None, own: Own, times: np.ndarray
+        self, value: np.ndarray, errors: dict[str, np.ndarray] | None, model: np.ndarray | None, own: Own, times: np.ndarray
     ) -> None:
         self.value = value
         self.errors = errors
@@ -34,12 +34,16 @@ class Chain:
 
     def run(self, channel_frequency_class: int) -> None:
         """Every effect, in the order of the chain."""
-        self.ring()
+        if self._acts("resonance_share"):
+            self.ring()
         self.amplify()
-        self.bend()
-        self.lag()
+        if self._acts("quadratic", "cubic"):
+            self.bend()
+        if self._acts("hysteresis"):
+            self.lag()
         self.clip()
-        self.offset()
+        if self._acts("bias", "bias_drift"):
+            self.offset()
         self.filter(channel_frequency_class)
 
     def ring(self) -> None:
@@ -50,19 +54,23 @@ class Chain:
         change = (ringing(column, *mount) - column)[..., 0]
         if share.any():
             self._each(lambda columns: columns + share[:, None] * (ringing(columns, *mount) - columns))
-            by_shape = ringing_derivatives(column, *mount)
-            for name, columns in zip(("resonance_frequency", "resonance_damping"), by_shape, strict=True):
-                self.errors[name] = share * columns[..., 0]
             self.value = self.value + share * change
+        if self.errors is None:
+            return
         self.errors["resonance_share"] = change
+        if share.any():
+            by_frequency, by_damping = ringing_derivatives(column, *mount)
+            self.errors["resonance_frequency"] = share * by_frequency[..., 0]
+            self.errors["resonance_damping"] = share * by_damping[..., 0]
 
     def amplify(self) -> None:
         """gain a."""
-        gain = self._own["gain"]
+        gain, felt = self._own["gain"], self.value
         if (gain != 1.0).any():
             self._each(lambda columns: gain[:, None] * columns)
-        self.errors["gain"] = self.value
-        self.value = gain * self.value
+            self.value = gain * felt
+        if self.errors is not None:
+            self.errors["gain"] = felt
 
     def bend(self) -> None:
         """a + quadratic a^2 + cubic a^3."""
@@ -73,17 +81,18 @@ class Chain:
             slope = 1.0 + 2.0 * quadratic * self.value + 3.0 * cubic * square
             self._each(lambda columns: slope[..., None] * columns)
             self.value = self.value + quadratic * square + cubic * cube
-        self.errors["quadratic"], self.errors["cubic"] = square, cube
+        if self.errors is not None:
+            self.errors |= {"quadratic": square, "cubic": cube}
 
     def lag(self) -> None:
         """a - hysteresis z, z between -1 where the reading falls and 1 where it rises."""
-        hysteresis = self._own["hysteresis"]
-        now = branch(self.value, self._own["hysteresis_travel"])
+        hysteresis, travel, rising = self._own["hysteresis"], self._own["hysteresis_travel"], self.value
+        now = branch(rising, travel)
         if hysteresis.any():
             self._each(lambda columns: columns - hysteresis[:, None] * now.along(columns))
-            self.errors["hysteresis_travel"] = -hysteresis * now.by_travel(self.value, self._own["hysteresis_travel"])
-            self.value = self.value - hysteresis * now.position
-        self.errors["hysteresis"] = -now.position
+            self.value = rising - hysteresis * now.position
+        if self.errors is not None:
+            self.errors |= {"hysteresis": -now.position, "hysteresis_travel": -hysteresis * now.by_travel(rising, travel)}
 
     def clip(self) -> None:
         """a within -saturation and saturation; a reading that clips no longer depends on anything else."""
@@ -92,33 +101,46 @@ class Chain:
             return
         clipped = np.abs(self.value) >= limit
         self._each(lambda columns: np.where(clipped[..., None], 0.0, columns))
-        self.errors["saturation"] = clipped * np.sign(self.value)
+        if self.errors is not None:
+            self.errors["saturation"] = clipped * np.sign(self.value)
         self.value = np.clip(self.value, -limit, limit)
 
     def offset(self) -> None:
         """bias + bias_drift t + a."""
         stamps = np.broadcast_to(self._times[:, None], self.value.shape)
-        self.errors["bias_drift"] = stamps
         self.value = self.value + self._own["bias"] + self._own["bias_drift"] * stamps
+        if self.errors is not None:
+            self.errors["bias_drift"] = stamps
 
     def filter(self, channel_frequency_class: int) -> None:
         """The filter, which a constant passes unchanged; before the first sample the sensor felt nothing."""
-        self.errors["bias"] = np.ones_like(self.value)
-        if not channel_frequency_class:
-            return
-        names = [name for name in self.errors if name != "bias"]
-        before = np.zeros((1 + len(names), self.value.shape[1]))
-        before[0] = self._own["bias"] + self._own["bias_drift"] * self._times[0]
-        before[1 + names.index("bias_drift")] = self._times[0]
-        block = np.stack([self.value, *(self.errors[name] for name in names)], axis=1)
-        block = filter_channel(block, self._times, channel_frequency_class, before=before)
+        if channel_frequency_class:
+            self._filter(channel_frequency_class)
+        if self.errors is not None:
+            self.errors["bias"] = np.ones_like(self.value)
+
+    def _filter(self, channel_frequency_class: int) -> None:
+        """All that is small at once; only what an offset leaves was there before the first sample."""
+        columns = {"": self.value, **(self.errors or {})}
+        before = {"": self._own["bias"] + self._own["bias_drift"] * self._times[0], "bias_drift": self._times[0]}
+        starts = np.zeros((len(columns), self.value.shape[1]))
+        for row, name in enumerate(columns):
+            starts[row] = before.get(name, 0.0)
+        block = np.stack(list(columns.values()), axis=1)
+        block = filter_channel(block, self._times, channel_frequency_class, before=starts)
         self.value = block[:, 0]
-        self.errors |= {name: block[:, 1 + index] for index, name in enumerate(names)}
+        if self.errors is not None:
+            self.errors = {name: block[:, 1 + row] for row, name in enumerate(self.errors)}
         if self.model is not None:
             self.model = filter_channel(self.model, self._times, channel_frequency_class, before=0.0)
 
+    def _acts(self, *names: str) -> bool:
+        """Whether an effect changes the reading, or its derivatives are asked for."""
+        return self.errors is not None or any(self._own[name].any() for name in names)
+
     def _each(self, change: Callable[[np.ndarray], np.ndarray]) -> None:
         """Apply a linear map to every derivative; it takes and returns (time, channel, column)."""
-        self.errors = {name: change(column[..., None])[..., 0] for name, column in self.errors.items()}
+        if self.errors is not None:
+            self.errors = {name: change(column[..., None])[..., 0] for name, column in self.errors.items()}
         if self.model is not None:
             self.model = change(self.model)

@@ -4,7 +4,7 @@ import xarray as xr
 
 from crashkit.data.schema import GroupSchema, Variable
 from crashkit.errors import CrashkitError
-from crashkit.protocols import Observer, SensorErrors
+from crashkit.protocols import PlainObserver, Reading, SensorErrors
 from crashkit_accelerometers.error_specs import CLOCK, channel_errors
 from crashkit_accelerometers.sensor_channel import (
     CHANNEL_FREQUENCY_CLASS,
@@ -12,12 +12,13 @@ from crashkit_accelerometers.sensor_channel import (
     bodies_of,
     felt_in_laboratory,
     own_errors,
+    plain_reading,
     predict_channels,
     reconstruct_bodies,
 )
 
 
-class LoadCell(Observer):
+class LoadCell(PlainObserver):
     """A load cell takes the whole force of the joints on its body, and records it with its own errors."""
 
     name = "load_cell"
@@ -43,6 +44,11 @@ class LoadCell(Observer):
         _refuse_shared_bodies(instrument)
         felt = felt_in_laboratory(self, motion, "contact_force", bodies_of(self, motion, instrument))
         return predict_channels(self, motion, instrument, own_errors(self, instrument, errors), felt)
+
+    def reading(self, instrument: xr.Dataset, turning: bool) -> Reading | None:
+        """The forces of the joints on the bodies."""
+        _refuse_shared_bodies(instrument)
+        return plain_reading(instrument, "contact_force")
 
     def reconstruct(self, instrument: xr.Dataset) -> xr.Dataset:
         """The force that each body receives, `contact_force` (time, body, axis).

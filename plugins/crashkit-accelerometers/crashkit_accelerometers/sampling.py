@@ -45,7 +45,7 @@ class Felt:
         """
         columns = values if values.ndim == 4 else values[..., None]
         result = _interpolate(self.times, columns, self.rows, mixing, at)
-        return result.reshape(len(at), mixing.shape[0] * mixing.shape[1], -1)
+        return result.reshape(len(at), mixing.shape[0] * mixing.shape[1], columns.shape[3])
 
 
 @njit(cache=True)

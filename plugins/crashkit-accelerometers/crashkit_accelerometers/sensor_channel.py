@@ -1,14 +1,19 @@
 """From what sensors feel to what they record, and back to the bodies."""
 
+from functools import partial
+
 import numpy as np
 import xarray as xr
+from attrs import frozen
+from xarray.core.indexing import LazilyIndexedArray
 
 from crashkit.data.instrument_errors import error_values, positions, prediction_coordinates
 from crashkit.data.schema import Attribute
 from crashkit.errors import CrashkitError
-from crashkit.protocols import Observer, SensorErrors
+from crashkit.protocols import Observer, Reading, SensorErrors
 from crashkit_accelerometers.chain import Chain, Own
 from crashkit_accelerometers.error_specs import AXES
+from crashkit_accelerometers.lazy import Lazy
 from crashkit_accelerometers.sampling import Felt
 from crashkit_accelerometers.sensing import directions
 
@@ -40,6 +45,14 @@ def felt_in_laboratory(observer: Observer, motion: xr.Dataset, name: str, rows: 
     return Felt(motion.variables["time"].values, values, changes, None, rows, axes)
 
 
+def plain_reading(instrument: xr.Dataset, quantity: str) -> Reading:
+    """A quantity of the sensors' bodies, as it is."""
+    axes = instrument.variables["axis"].values.tolist()
+    carriers = instrument.variables["sensor_body"].values.tolist()
+    bodies = tuple(body for body in carriers for _ in axes)
+    return Reading(quantity, bodies, tuple(axes) * len(carriers), np.zeros(len(bodies)))
+
+
 def predict_channels(observer: Observer, motion: xr.Dataset, instrument: xr.Dataset, own: Own, felt: Felt) -> xr.Dataset:
     """What the sensors record of what they feel.
 
@@ -51,66 +64,97 @@ def predict_channels(observer: Observer, motion: xr.Dataset, instrument: xr.Data
         felt: without errors.
 
     Returns:
-        The dataset that `Observer.predict` describes.
+        The dataset that `Observer.predict` describes; derivatives to errors are computed only if they are looked at.
     """
     axes = instrument.variables["axis"].values.tolist()
     positions(observer, motion, "axis", axes)
-    times = instrument.variables["time"].values
-    at = times * (1.0 - own["clock_rate"][0, 0]) - own["clock_offset"][0, 0]
-    known = felt.known(at)
-    half = 0.5 * (times[-1] - times[0]) / max(len(times) - 1, 1)
-    value, errors, model = _sensed(felt, own, tuple(axes), at[known], times[known], half)
-    chain = Chain(value, errors, model, {name: values.ravel() for name, values in own.items()}, times[known])
-    if len(value):
-        chain.run(int(instrument.attrs.get("channel_frequency_class", 0)))
-    variables = _variables(observer, instrument, chain, known, own["gain"].shape)
+    cfc = int(instrument.attrs.get("channel_frequency_class", 0))
+    reading = Reading(felt, own, tuple(axes), instrument.variables["time"].values, cfc)
+    value, model = reading.values()
+    quantity, names = observer.quantity, tuple(spec.name for spec in observer.errors)
+    errors = Lazy((*value.shape, len(names)), partial(reading.by_errors, names))
+    units = instrument.variables[quantity].attrs.get("units", "")
+    variables = {
+        quantity: xr.Variable(DIMS, value, {"units": units}),
+        f"{quantity}_error_sensitivity": xr.Variable((*DIMS, "error"), LazilyIndexedArray(errors)),
+    }
+    if model is not None:
+        variables[f"{quantity}_sensitivity"] = xr.Variable((*DIMS, "parameter"), model)
     return xr.Dataset(variables, prediction_coordinates(observer, motion, instrument))
 
 
-def _sensed(
-    felt: Felt, own: Own, axes: tuple[str, ...], at: np.ndarray, stamps: np.ndarray, half: float
-) -> tuple[np.ndarray, dict[str, np.ndarray], np.ndarray | None]:
-    """Along the sensing directions at the times `at`: the values, and their derivatives as `Chain` takes them."""
-    mixing, by_direction = directions(own, axes, felt.axes)
-    value = felt.sampled(felt.values, mixing, at)[..., 0]
-    later = np.minimum(at + half, felt.times[-1])  # a rate over one sample's width: it jumps at the nodes
-    rise = felt.sampled(felt.values, mixing, later) - felt.sampled(felt.values, mixing, at - half)
-    lateness = rise[..., 0] / (at - half - later)[:, None]
-    errors = {"clock_offset": lateness, "clock_rate": stamps[:, None] * lateness}
-    errors |= {name: felt.sampled(felt.values, change, at)[..., 0] for name, change in by_direction.items()}
-    if felt.by_point is not None:
-        by_point = felt.sampled(felt.by_point, mixing, at)
-        errors |= {f"position_{axis}": by_point[..., index] for index, axis in enumerate(AXES)}
-    model = None if felt.sensitivity is None else felt.sampled(felt.sensitivity, mixing, at)
-    return value, errors, model
+@frozen(eq=False)
+class Reading:
+    """The readings of an instrument, and their derivatives.
 
+    Arguments:
+        felt: by sensors without errors.
+        own: error parameters, (sensor, axis).
+        axes: of the channels.
+        times: s, time stamps.
+        channel_frequency_class: of the filter.
+    """
 
-def _variables(
-    observer: Observer, instrument: xr.Dataset, chain: Chain, known: slice, channels: tuple[int, int]
-) -> dict[str, xr.Variable]:
-    """In the form of the recording; NaN at the time stamps that the motion does not tell of."""
-    quantity, names = observer.quantity, [spec.name for spec in observer.errors]
-    stamps = instrument.sizes["time"]
-    errors = np.zeros((len(names), stamps, *channels))
-    for name, column in chain.errors.items():
-        errors[names.index(name), known] = column.reshape(-1, *channels)
-    units = instrument.variables[quantity].attrs.get("units", "")
-    variables = {
-        quantity: xr.Variable(DIMS, _padded(chain.value, known, stamps, channels), {"units": units}),
-        f"{quantity}_error_sensitivity": xr.Variable((*DIMS, "error"), np.moveaxis(errors, 0, -1)),
-    }
-    if chain.model is not None:
-        model = _padded(chain.model, known, stamps, (*channels, chain.model.shape[2]))
-        variables[f"{quantity}_sensitivity"] = xr.Variable((*DIMS, "parameter"), model)
-    return variables
+    felt: Felt
+    own: Own
+    axes: tuple[str, ...]
+    times: np.ndarray
+    channel_frequency_class: int
 
+    def values(self) -> tuple[np.ndarray, np.ndarray | None]:
+        """The readings and their derivatives to the model's parameters, NaN where the motion does not tell of them."""
+        mixing, _ = directions(self.own, self.axes, self.felt.axes)
+        at, known = self._at()
+        value = self.felt.sampled(self.felt.values, mixing, at)[..., 0]
+        model = None if self.felt.sensitivity is None else self.felt.sampled(self.felt.sensitivity, mixing, at)
+        chain = self._through(Chain(value, None, model, self._flat(), self.times[known]))
+        return self._padded(chain.value, known), None if chain.model is None else self._padded(chain.model, known)
 
-def _padded(columns: np.ndarray, known: slice, stamps: int, shape: tuple[int, ...]) -> np.ndarray:
-    if len(columns) == stamps:
-        return columns.reshape(stamps, *shape)
-    padded = np.full((stamps, *shape), np.nan)
-    padded[known] = columns.reshape(-1, *shape)
-    return padded
+    def by_errors(self, names: tuple[str, ...]) -> np.ndarray:
+        """The derivatives to errors, (time, sensor, axis, error)."""
+        felt, (at, known) = self.felt, self._at()
+        mixing, by_direction = directions(self.own, self.axes, felt.axes)
+        lateness = self._lateness(mixing, at)
+        errors = {"clock_offset": lateness, "clock_rate": self.times[known][:, None] * lateness}
+        errors |= {name: felt.sampled(felt.values, change, at)[..., 0] for name, change in by_direction.items()}
+        if felt.by_point is not None:
+            by_point = felt.sampled(felt.by_point, mixing, at)
+            errors |= {f"position_{axis}": by_point[..., index] for index, axis in enumerate(AXES)}
+        value = felt.sampled(felt.values, mixing, at)[..., 0]
+        chain = self._through(Chain(value, errors, None, self._flat(), self.times[known]))
+        table = np.zeros((len(names), len(self.times), *self.own["gain"].shape))
+        for name, column in (chain.errors or {}).items():
+            table[names.index(name), known] = column.reshape(-1, *table.shape[2:])
+        return np.moveaxis(table, 0, -1)
+
+    def _at(self) -> tuple[np.ndarray, slice]:
+        """When the samples were taken of which the motion tells, and which they are."""
+        at = self.times * (1.0 - self.own["clock_rate"][0, 0]) - self.own["clock_offset"][0, 0]
+        known = self.felt.known(at)
+        return at[known], known
+
+    def _lateness(self, mixing: np.ndarray, at: np.ndarray) -> np.ndarray:
+        """What a later clock changes: minus the rate, over one sample's width, as it jumps at the nodes."""
+        half = 0.5 * (self.times[-1] - self.times[0]) / max(len(self.times) - 1, 1)
+        felt, later = self.felt, np.minimum(at + half, self.felt.times[-1])
+        rise = felt.sampled(felt.values, mixing, later) - felt.sampled(felt.values, mixing, at - half)
+        return np.asarray(rise[..., 0] / (at - half - later)[:, None])
+
+    def _flat(self) -> Own:
+        return {name: values.ravel() for name, values in self.own.items()}
+
+    def _through(self, chain: Chain) -> Chain:
+        if len(chain.value):
+            chain.run(self.channel_frequency_class)
+        return chain
+
+    def _padded(self, columns: np.ndarray, known: slice) -> np.ndarray:
+        shape = (len(self.times), *self.own["gain"].shape, *columns.shape[2:])
+        if len(columns) == len(self.times):
+            return columns.reshape(shape)
+        padded = np.full(shape, np.nan)
+        padded[known] = columns.reshape(-1, *shape[1:])
+        return padded
 
 
 def reconstruct_bodies(observer: Observer, instrument: xr.Dataset, variable: str) -> xr.Dataset:

@@ -181,6 +181,17 @@ def test_a_body_with_enough_sensors_is_told_beside_one_without(turning, sensors,
     assert [sentence.split(":")[0] for sentence in found.attrs["unknown"]] == ["engine"]
 
 
+def test_several_bodies_are_told_together(turning, sensors, three) -> None:
+    cars = [turning(SHORT), turning(SHORT, 0.2, 0.1, 0.3).assign_coords(body=["trailer"])]
+    motion = xr.concat(cars, dim="body")
+    instrument = sensors([*three, *three], SHORT)
+    instrument["sensor_body"] = ("sensor", ["car", "trailer"] * 3)
+    instrument["sensor_point"] = (("sensor", "axis"), np.repeat(three, 2, axis=0))
+    found = rigid_body_motion(perfect(motion, instrument), start_of(motion))
+    assert found["body"].values.tolist() == ["car", "trailer"]
+    np.testing.assert_allclose(found["position"], motion["position"], atol=1e-4)
+
+
 def test_a_body_said_not_to_turn_needs_one_sensor(turning, sensors) -> None:
     motion = turning(SHORT, 0.0, 0.0, 0.0)
     instrument = recorded(Accelerometer(), motion, sensors([[0.1, 0.2, 0.3]], SHORT, std=1e-3))
@@ -253,7 +264,17 @@ class TestThreeTriaxialContract(ObserverContract):
 
     def test_a_missing_sample_stays_missing(self, observer: Accelerometer, instrument: xr.Dataset, motion: xr.Dataset) -> None:
         recording = perfect(motion, instrument)
-        recording["acceleration"][150, 1, 2] = np.nan
+        recording["acceleration"][150, 1, 1] = np.nan
         for variable in observer.reconstruct(recording).data_vars.values():
             if "time" in variable.dims:
                 np.testing.assert_array_equal(np.isnan(variable).any(variable.dims[1:]), np.arange(301) == 150)
+
+
+class TestTwoBiaxialContract(TestThreeTriaxialContract):
+    @pytest.fixture
+    def motion(self, plane) -> xr.Dataset:
+        return plane(np.arange(321) * 5e-4)
+
+    @pytest.fixture
+    def instrument(self, sensors) -> xr.Dataset:
+        return sensors([[0.5, 0.1], [-0.6, 0.0]], np.arange(301) * 5e-4, axes="xy")

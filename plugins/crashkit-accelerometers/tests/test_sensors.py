@@ -105,7 +105,7 @@ class TestLoadCellInSpaceContract(ObserverContract):
 def test_a_load_cell_picks_up_what_pushes_across(motion: xr.Dataset) -> None:
     times = np.array([0.01, 0.03])
     across = motion["contact_force"].assign_coords(axis=["y"]) * 0.5
-    both = motion.drop_vars("acceleration").assign(contact_force=xr.concat([motion["contact_force"], across], "axis"))
+    both = xr.concat([motion["contact_force"], across], "axis").to_dataset()
     found = LoadCell().predict(both, load_cell_at(times), {"cell_0": {"transverse_y": 0.02}})["force"]
     straight = LoadCell().predict(motion, load_cell_at(times))["force"]
     np.testing.assert_allclose(found, 1.01 * straight)
@@ -162,6 +162,11 @@ def test_the_filter_stops_at_the_end_of_the_motion() -> None:
     alone = Accelerometer().predict(motion, accelerometer_at(times[:1001], 180))["acceleration"].values
     np.testing.assert_array_equal(predicted[:1001], alone)
     assert np.isnan(predicted[1001:]).all()
+
+
+def test_of_a_motion_that_ends_before_the_first_sample_nothing_is_known(motion: xr.Dataset) -> None:
+    predicted = Accelerometer().predict(motion.isel(time=slice(0, 10)), accelerometer_at(np.array([0.5, 0.6])))
+    assert np.isnan(predicted["acceleration"]).all()
 
 
 def test_sensors_on_one_body_are_averaged_and_gaps_are_kept() -> None:

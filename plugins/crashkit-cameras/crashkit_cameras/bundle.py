@@ -10,10 +10,12 @@ from crashkit_cameras.projection import PARAMETERS, Cameras, depths, project, pr
 TAIL = 8.0
 """Degrees of freedom of Student's distribution of a reading's error: normal, but for blunders."""
 STEPS = 100
-HOPELESS = 1e12
-"""A damping at which no step is left to speak of."""
+FIRST_DAMPING, LEAST_DAMPING, HOPELESS = 1e-3, 1e-9, 1e12
+"""Shares of the diagonal that are added to it; at the last no step is left to speak of."""
 FIXED = 1e30
 """Information on a number that is not to move."""
+TINY = 1e-14
+"""Of the information on a point, added so that a point at infinity does no harm."""
 ENOUGH = 1e-6
 """A gain in the logarithm of the density that is not worth another step."""
 
@@ -80,21 +82,9 @@ def adjust(cameras: Cameras, points: np.ndarray, readings: Readings, expectation
         readings: at least the control points'.
         expectation: of the cameras.
     """
-    cost, damping = posterior_cost(cameras, points, readings, expectation), 1e-3
-    for _ in range(STEPS):
-        equations = normal_equations(cameras, points, readings, expectation)
-        before = cost
-        while damping < HOPELESS:
-            step, shift = equations.step(damping)
-            trial = cameras.moved(step), points + shift
-            cost = posterior_cost(*trial, readings, expectation)
-            if cost <= before:
-                cameras, points = trial
-                break
-            cost, damping = before, 8.0 * damping
-        damping = max(0.1 * damping, 1e-9)
-        if before - cost < ENOUGH:
-            break
+    cameras, points, cost = _descended(cameras, points, readings, expectation)
+    if not np.isfinite(cost):
+        return Estimate(cameras, points, np.inf, np.full((PARAMETERS * len(cameras),) * 2, np.inf), -np.inf)
     covariance = normal_equations(cameras, points, readings, expectation).covariance()
     free = ~expectation.held().ravel()
     volume = 0.5 * np.linalg.slogdet(2.0 * np.pi * covariance[np.ix_(free, free)])[1]
@@ -173,6 +163,28 @@ def normal_equations(cameras: Cameras, points: np.ndarray, readings: Readings, e
     return NormalEquations(to_camera, to_point, camera, camera_right, inverse, point_right, cross)
 
 
+def _descended(
+    cameras: Cameras, points: np.ndarray, readings: Readings, expectation: Expectation
+) -> tuple[Cameras, np.ndarray, float]:
+    """Where the cost has its nearest minimum, and its value there."""
+    cost, damping = posterior_cost(cameras, points, readings, expectation), FIRST_DAMPING
+    for _ in range(STEPS if np.isfinite(cost) else 0):
+        equations = normal_equations(cameras, points, readings, expectation)
+        before = cost
+        while damping < HOPELESS:
+            step, shift = equations.step(damping)
+            trial = cameras.moved(step), points + shift
+            cost = posterior_cost(*trial, readings, expectation)
+            if cost <= before:
+                cameras, points = trial
+                break
+            cost, damping = before, 8.0 * damping
+        damping = max(0.1 * damping, LEAST_DAMPING)
+        if before - cost < ENOUGH:
+            break
+    return cameras, points, cost
+
+
 def _camera_equations(
     cameras: Cameras, to_camera: np.ndarray, residual: np.ndarray, expectation: Expectation
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -190,7 +202,9 @@ def _point_equations(
 ) -> tuple[np.ndarray, np.ndarray]:
     exact = readings.known_std == 0.0
     precision = np.where(exact, 1.0, readings.known_std) ** -2.0
-    information = (to_point.transpose(0, 1, 3, 2) @ to_point).sum(axis=0) + precision[:, None, None] * np.eye(3)
+    information = (to_point.transpose(0, 1, 3, 2) @ to_point).sum(axis=0)
+    least = TINY * np.trace(information, axis1=1, axis2=2) + 1.0 / FIXED
+    information += (precision + least)[:, None, None] * np.eye(3)
     right = (to_point * residual[..., None]).sum(axis=(0, 2)) - precision[:, None] * (points - readings.known)
     inverse = np.linalg.inv(information)
     inverse[exact] = 0.0

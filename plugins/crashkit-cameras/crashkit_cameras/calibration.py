@@ -80,7 +80,9 @@ def _with_markers(alone: _Fit, expected: Expectation, recorded: np.ndarray, std:
     marker_std *= excess_noise(cameras, covariance, recorded, marker_std)
     marker_std = np.where(np.isfinite(std), std, marker_std)
     found = triangulate_points(cameras, covariance, recorded, marker_std)
-    believed = np.isfinite(found.position).all(axis=1)
+    size = np.ptp(alone.estimate.points, axis=0).max()
+    with np.errstate(invalid="ignore"):
+        believed = np.trace(found.covariance, axis1=1, axis2=2) < size**2
     recorded, places, marker_std = recorded[:, believed], found.position[believed], marker_std[:, believed]
     readings = Readings(
         np.concatenate([control.image, np.where(found.used[:, believed, None], recorded, np.nan)], axis=1),
@@ -90,8 +92,8 @@ def _with_markers(alone: _Fit, expected: Expectation, recorded: np.ndarray, std:
     )
     start = np.concatenate([alone.estimate.points, places])
     estimate = adjust(cameras, start, readings, expected)
-    fit = _settled(_Fit(estimate, readings, expected), std[believed])
-    return _simplest(fit, std[believed])
+    fit = _Fit(estimate, readings, expected)
+    return _simplest(_settled(fit, std[believed]), std[believed]) if np.isfinite(estimate.cost) else fit
 
 
 def _settled(fit: _Fit, marker_std: np.ndarray) -> _Fit:
@@ -125,9 +127,9 @@ def _contradict(alone: _Fit, together: _Fit) -> bool:
     """Whether the markers draw the cameras further from the control points than chance does."""
     count = len(alone.readings.known)
     points = together.estimate.points[:count]
-    ours = posterior_cost(together.estimate.cameras, points, alone.readings, alone.expectation)
-    dropped = 2.0 * (ours - alone.estimate.cost)
-    return bool(dropped > chi2.isf(IMPROBABLE, FREE_NUMBERS * len(alone.estimate.cameras)))
+    cost = posterior_cost(together.estimate.cameras, points, alone.readings, alone.expectation)
+    limit = chi2.isf(IMPROBABLE, FREE_NUMBERS * len(alone.estimate.cameras))
+    return not 2.0 * (cost - alone.estimate.cost) < limit or not np.isfinite(together.estimate.cost)
 
 
 def _judged(control: Control, frame: Frame, condition: list[float], fit: _Fit, contradiction: bool) -> Calibration:

@@ -80,8 +80,9 @@ def inside(control: Control, positions: np.ndarray) -> np.ndarray:
 
 def _refuse(view: str, points: np.ndarray) -> None:
     expected = f'camera: view "{view}": expected at least {LEAST_POINTS} control points, well spread and not in a plane'
-    if len(points) < LEAST_POINTS:
-        raise CrashkitError(f"{expected}, found {len(points)}")
+    different = len(np.unique(points, axis=0))
+    if different < LEAST_POINTS:
+        raise CrashkitError(f"{expected}, found {different}")
     extents = np.linalg.svd(points - points.mean(axis=0), compute_uv=False) / np.sqrt(len(points))
     for dimension, shape in ((1, "a line"), (2, "a plane")):
         if extents[dimension] < LEAST_DEPTH * extents[0]:

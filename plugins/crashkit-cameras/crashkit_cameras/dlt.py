@@ -2,7 +2,7 @@
 
 import numpy as np
 from attrs import frozen
-from scipy.linalg import rq, solve_triangular
+from scipy.linalg import rq
 
 from crashkit_cameras.projection import PARAMETERS, Cameras, cross_matrix
 
@@ -42,7 +42,7 @@ def fit_linear(points: np.ndarray, image: np.ndarray) -> LinearFit:
     to_points, to_image = _normalisation(points), _normalisation(image)
     matrix, right = _equations(_transformed(to_points, points), _transformed(to_image, image))
     orthogonal, triangle = np.linalg.qr(matrix)
-    solution = solve_triangular(triangle, orthogonal.T @ right)
+    solution = np.linalg.lstsq(triangle, orthogonal.T @ right)[0]
     normalised = np.append(solution, 1.0).reshape(3, 4)
     matrix = np.linalg.solve(to_image, normalised) @ to_points
     return LinearFit(matrix.ravel()[:LINEAR] / matrix[2, 3], float(np.linalg.cond(triangle)))

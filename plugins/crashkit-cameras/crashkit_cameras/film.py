@@ -6,14 +6,14 @@ import xarray as xr
 from crashkit.data.instrument_errors import error_values, prediction_coordinates
 from crashkit.data.schema import GroupSchema, Variable
 from crashkit.data.schemas import body_of, point_of, std_of
-from crashkit.protocols import Observer, ParameterSpec, SensorErrors
+from crashkit.protocols import ParameterSpec, PlainObserver, Reading, SensorErrors
 from crashkit_cameras.body_motion import body_motion
 from crashkit_cameras.marker_motion import marker_motion
 
 DIMS = ("time", "marker", "axis")
 
 
-class Film(Observer):
+class Film(PlainObserver):
     """Markers on bodies, which may turn.
 
     z(t) = y_0 + gain (y(t - clock_offset) - y_0) + bias, with y = x + R p the place of the point p of a body at x, turned by
@@ -58,6 +58,15 @@ class Film(Observer):
             slope = seen.start_slope + gain[..., None] * (seen.slope - seen.start_slope)
             predicted["position_sensitivity"] = xr.Variable((*DIMS, "parameter"), slope)
         return xr.Dataset(predicted, prediction_coordinates(self, motion, instrument))
+
+    def reading(self, instrument: xr.Dataset, turning: bool) -> Reading | None:
+        """The positions of the bodies, shifted by the markers' points; None for markers that turn about their bodies."""
+        points = instrument.variables["marker_point"].values
+        if turning and points.any():
+            return None
+        axes = instrument.variables["axis"].values.tolist()
+        bodies = [body for body in instrument.variables["marker_body"].values.tolist() for _ in axes]
+        return Reading("position", tuple(bodies), tuple(axes) * len(points), points.ravel())
 
     def reconstruct(self, instrument: xr.Dataset) -> xr.Dataset:
         """The bodies' positions and orientations, as `body_motion` says, from the markers that are visible.

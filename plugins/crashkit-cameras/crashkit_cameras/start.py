@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from attrs import evolve
 
+from crashkit.errors import CrashkitError
 from crashkit_cameras.bundle import Estimate, Readings, adjust
 from crashkit_cameras.control import Control
 from crashkit_cameras.dlt import SUBSET, LinearFit, cameras_of, fit_linear, fit_linear_robust
@@ -32,6 +33,9 @@ def _start(control: Control, frame: Frame, prior: Prior) -> Cameras:
     if suspicious and len(points) > SUBSET:
         candidates += _candidates(fit_linear_robust(points, image), readings, frame)
         best, _, _ = _best(candidates, readings, frame, prior)
+    if not np.isfinite(best.log_evidence):
+        expected = f'camera: view "{control.views[0]}": expected the images of control points in perspective'
+        raise CrashkitError(f"{expected}, found none that has them all before the camera: are points confused?")
     return best.cameras
 
 

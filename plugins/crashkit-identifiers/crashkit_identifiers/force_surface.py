@@ -14,8 +14,8 @@ from crashkit.mechanics.state_form import StateForm
 from crashkit.misfit import Misfit
 from crashkit_identifiers.recorded import laws_of
 
-RIDGES = np.logspace(-12.0, 2.0, 57)
-"""Of the squared coefficients against the misfit, as shares of the largest singular value squared."""
+RIDGES = np.logspace(-11.0, 1.0, 49)
+"""Of the squared coefficients against the misfit, as shares of the largest curvature."""
 NEAR = 0.25
 """Of a half width of the surface: a place without a reading that near is extrapolated."""
 FLAT = 0.02
@@ -92,12 +92,14 @@ class Readings:
         along: by joint, (reading, row), what a force of 1 N adds to each equation, one row for each body that moves.
         load: (reading, row), m a, N, at the masses of the model.
         weight: (row,) one over its standard deviation.
+        runs: (reading,) the number of its run.
     """
 
     states: Mapping[str, np.ndarray]
     along: Mapping[str, np.ndarray]
     load: np.ndarray
     weight: np.ndarray
+    runs: np.ndarray
 
 
 def readings_of(misfit: Misfit, measured: Mapping[str, xr.Dataset], per_run: int = MOST_READINGS) -> Readings:
@@ -114,8 +116,8 @@ def readings_of(misfit: Misfit, measured: Mapping[str, xr.Dataset], per_run: int
     masses = np.array([body.mass.value for body in moving if body.mass is not None])
     states: dict[str, list[np.ndarray]] = {joint.name: [] for joint in model.joints}
     along: dict[str, list[np.ndarray]] = {joint.name: [] for joint in model.joints}
-    loads, stds = [], []
-    for motion in measured.values():
+    loads, stds, runs = [], [], []
+    for number, motion in enumerate(measured.values()):
         acceleration, std = (motion[name].values[:, rows, 0] for name in ("acceleration", "acceleration_std"))
         keep = _spread(acceleration, std, per_run)
         for track in StateForm(model, laws_of(misfit), motion).tracks:
@@ -126,20 +128,23 @@ def readings_of(misfit: Misfit, measured: Mapping[str, xr.Dataset], per_run: int
             along[track.law.joint.name].append(push[:, rows])
         loads.append(masses * acceleration[keep])
         stds.append(masses * np.sqrt(np.mean(std[keep] ** 2, axis=0)))
+        runs.append(np.full(len(keep), number))
     joined = [{name: np.concatenate(parts) for name, parts in table.items()} for table in (states, along)]
-    return Readings(joined[0], joined[1], np.concatenate(loads), 1.0 / np.mean(stds, axis=0))
+    return Readings(joined[0], joined[1], np.concatenate(loads), 1.0 / np.mean(stds, axis=0), np.concatenate(runs))
 
 
 def fitted(readings: Readings, degree: int) -> dict[str, Surface]:
-    """Surfaces by least squares of all equations at once; generalised cross-validation chooses the ridge on rough terms."""
+    """Surfaces by least squares of all equations at once, with a ridge on rough terms that the runs choose together."""
     shape = (degree + 1, degree + 1)
     corners = {name: (states.min(axis=0), states.max(axis=0)) for name, states in readings.states.items()}
     shares = {name: _shares(states, *corners[name]) for name, states in readings.states.items()}
     rough = np.hypot(*np.meshgrid(np.arange(shape[0]), np.arange(shape[1]), indexing="ij")).ravel() + SMOOTH
     blocks = [readings.along[name][:, :, None] * (_series(share, shape) / rough)[:, None, :] for name, share in shares.items()]
     rows = np.concatenate(blocks, axis=2) * readings.weight[:, None]
-    coefficients, ridge, freedom = _ridge(rows.reshape(-1, rows.shape[2]), (readings.load * readings.weight).ravel())
-    choice = f"least squares; cross-validation chose a ridge of {ridge:.1e} and {freedom:.1f} free terms"
+    runs = np.repeat(readings.runs, rows.shape[1])
+    coefficients, ridge = _ridge(rows.reshape(-1, rows.shape[2]), (readings.load * readings.weight).ravel(), runs)
+    chosen = "chosen by leaving out one run after the other" if np.ptp(runs) else "not chosen: there is one run only"
+    choice = f"least squares with a ridge of {ridge:.1e}, {chosen}"
     tables = coefficients.reshape(len(shares), *shape) / rough.reshape(shape)
     return {n: Surface(n, *corners[n], table, shares[n], choice) for n, table in zip(shares, tables, strict=True)}
 
@@ -206,19 +211,31 @@ def _heights(corners: np.ndarray) -> np.ndarray:
     return double_area / np.linalg.norm(sides, axis=2).max(axis=1)
 
 
-def _ridge(rows: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, float, float]:
-    """Coefficients, the ridge that generalised cross-validation chooses, and the effective number of terms."""
-    left, size, right = np.linalg.svd(rows, full_matrices=False)
-    pulled = left.T @ target
-    outside = float(target @ target - pulled @ pulled)
+def _ridge(rows: np.ndarray, target: np.ndarray, runs: np.ndarray) -> tuple[np.ndarray, float]:
+    """Coefficients, and the ridge with which each run is best predicted from all others.
 
-    def score(ridge: float) -> float:
-        kept = size**2 / (size**2 + ridge * size[0] ** 2)
-        return (outside + float(np.sum(((1.0 - kept) * pulled) ** 2))) / max(len(target) - float(kept.sum()), 1.0) ** 2
+    Samples of one run lie on one curve across the surface: only another run shows what happens between.
 
-    best = min(RIDGES.tolist(), key=score)
-    kept = size / (size**2 + best * size[0] ** 2)
-    return right.T @ (kept * pulled), best, float((kept * size).sum())
+    Arguments:
+        rows: (row, coefficient).
+        target: (row,).
+        runs: (row,) the number of its run.
+    """
+    known = np.unique(runs)
+    errors = np.zeros(len(RIDGES))
+    for left_out in known:
+        other, own = (runs != left_out, runs == left_out) if len(known) > 1 else (runs >= 0, runs >= 0)
+        solutions = _solutions(rows[other], target[other])
+        errors += ((rows[own] @ solutions - target[own][:, None]) ** 2).sum(axis=0)
+    best = int(np.argmin(errors)) if len(known) > 1 else len(RIDGES) // 2
+    return _solutions(rows, target)[:, best], float(RIDGES[best])
+
+
+def _solutions(rows: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """(coefficient, ridge)."""
+    size, vectors = np.linalg.eigh(rows.T @ rows)
+    pulled = vectors.T @ (rows.T @ target)
+    return np.asarray(vectors @ (pulled[:, None] / (np.maximum(size, 0.0)[:, None] + RIDGES * size[-1])))
 
 
 def _shares(states: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:

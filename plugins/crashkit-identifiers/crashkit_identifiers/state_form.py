@@ -13,6 +13,11 @@ from crashkit_identifiers.levenberg_marquardt import Limits, Search, advance, be
 from crashkit_identifiers.measured import measured_motions, require_seen
 from crashkit_identifiers.recorded import with_recordings
 from crashkit_identifiers.result import Path, conclude
+from crashkit_identifiers.wrapped import SameVariables
+
+
+FACTORS = (1.0, 0.5, 0.25, 0.125, 2.0)
+"""Of the values of parameters that are searched in their logarithm."""
 
 
 @frozen(eq=False)
@@ -47,8 +52,9 @@ class RegressionState:
 class StateFormRegression(Identifier[RegressionState]):
     """Least squares of x'' = f(X) U + g(X) on the measured state X (Mizzi & Jezequel 1992, eq 33).
 
-    Linear while no threshold is crossed at another instant than before, so it is solved again as the intervals move. It starts
-    other methods well. One axis; every body that a joint holds must be seen by an instrument.
+    Linear while no threshold is crossed at another instant than before, so it is solved again as the intervals move. A threshold
+    beyond all that was measured is felt by nothing, so it begins at the best of several multiples of the start. It starts other
+    methods well. Every body that a joint holds must be seen by an instrument, and no law may have a memory of its own.
 
     Arguments:
         step_limit: steps after which the search ends unconverged.
@@ -58,11 +64,12 @@ class StateFormRegression(Identifier[RegressionState]):
     step_limit: int = 60
 
     def start(self, problem: Problem) -> RegressionState:
-        """The state at the problem's own start."""
+        """The state at the best of some multiples of the problem's own start."""
         misfit = with_recordings(problem, self.name)
         measured = measured_motions(misfit)
         require_seen(misfit, measured, self.name)
-        return RegressionState(begin(EquationError(misfit, measured)), measured)
+        searches = [begin(_From(EquationError(misfit, measured), factor)) for factor in FACTORS]
+        return RegressionState(min(searches, key=lambda search: search.cost), measured)
 
     def step(self, problem: Problem, state: RegressionState) -> RegressionState:
         """One solution on the intervals that hold now."""
@@ -72,3 +79,18 @@ class StateFormRegression(Identifier[RegressionState]):
     def finish(self, problem: Problem, state: RegressionState) -> Identification:
         """The parameters, with what the recordings themselves say of them."""
         return conclude(problem, state.point, state.status, state.path)
+
+
+class _From(SameVariables):
+    """The problem from a multiple of its start."""
+
+    def __init__(self, problem: Problem, factor: float) -> None:
+        super().__init__(problem)
+        self.factor = factor
+
+    def start(self) -> np.ndarray:
+        first = self.problem.start()
+        return first + np.log(self.factor) * (self.problem.scaling(first) != 1.0)
+
+    def residual_and_jacobian(self, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return self.problem.residual_and_jacobian(scaled)

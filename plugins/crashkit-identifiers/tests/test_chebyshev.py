@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from attrs import evolve
 
 from crashkit.errors import CrashkitError
 from crashkit.testing import IdentifierContract, toys
@@ -16,7 +17,7 @@ class TestChebyshev(IdentifierContract):
     """Masses stay as they are, so the second toy, whose rear mass is wanted, is not found."""
 
     recovers = ("one_degree",)
-    accuracy = 2e-3
+    accuracy = 1e-2
 
     @pytest.fixture
     def identifier(self):
@@ -34,7 +35,7 @@ def problem(search):
     return search(toys.one_degree(), speeds=SPEEDS)
 
 
-@pytest.mark.parametrize(("form", "degree", "accuracy"), [("direct", 12, 0.005), ("direct", 8, 0.01), ("scattered", 8, 0.04)])
+@pytest.mark.parametrize(("form", "degree", "accuracy"), [("direct", 12, 0.01), ("direct", 8, 0.01), ("scattered", 8, 0.04)])
 def test_a_surface_is_the_force_where_it_was_measured(problem, form, degree, accuracy):
     surface = Chebyshev(form=form, degree=degree).start(problem).surfaces["first"]
     states = 0.5 * (surface.readings + 1.0) * (surface.high - surface.low) + surface.low
@@ -60,7 +61,8 @@ def test_what_no_reading_surrounds_is_called_extrapolated(problem):
 
 def test_a_surface_says_how_it_was_found(problem):
     direct, scattered = (Chebyshev(form=form).start(problem).surfaces["first"] for form in ("direct", "scattered"))
-    assert direct.choice.startswith("least squares; cross-validation chose a ridge of")
+    assert direct.choice.startswith("least squares with a ridge of")
+    assert direct.choice.endswith("chosen by leaving out one run after the other")
     assert scattered.choice.startswith("80 readings interpolated at 15 by 15 points")
 
 
@@ -82,7 +84,7 @@ def test_a_flat_triangle_is_not_interpolated_in():
 def test_two_joints_between_the_same_bodies_cannot_be_told_apart_at_an_instant(problem):
     readings = readings_of(problem, measured_motions(problem), 20)
     both = {"first": readings.along["first"], "twin": readings.along["first"]}
-    twins = type(readings)({**readings.states, "twin": readings.states["first"]}, both, readings.load, readings.weight)
+    twins = evolve(readings, states={**readings.states, "twin": readings.states["first"]}, along=both)
     with pytest.raises(CrashkitError, match="expected joints whose forces the motion tells apart, found first, twin"):
         interpolated(twins, 2, 15)
 

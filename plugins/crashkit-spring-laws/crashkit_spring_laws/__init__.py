@@ -3,8 +3,12 @@
 from crashkit_spring_laws.buckling import Folding, Peak
 from crashkit_spring_laws.crush_plateau import CrushPlateau
 from crashkit_spring_laws.dampers import Coulomb, Viscous
+from crashkit_spring_laws.fracture import Brittle, Fracture, Tear
+from crashkit_spring_laws.hysteresis import BoucWen
+from crashkit_spring_laws.measured_curve import MeasuredCurve
 from crashkit_spring_laws.piecewise_affine import PiecewiseAffine
 from crashkit_spring_laws.rate_factors import RateLinear, RateLogarithm, RatePower
+from crashkit_spring_laws.relaxation import Maxwell
 from crashkit_spring_laws.stops import LinearStop, QuadraticStop, TensionSpring
 from crashkit_spring_laws.tables import RateTable, SmoothTable
 from crashkit_spring_laws.tie import Tie
@@ -13,26 +17,37 @@ SPRING_LAWS = (
     Tie,
     CrushPlateau,
     PiecewiseAffine,
+    MeasuredCurve,
+    BoucWen,
     RateLinear,
     RatePower,
     RateLogarithm,
     Viscous,
     Coulomb,
+    Maxwell,
     LinearStop,
     QuadraticStop,
     TensionSpring,
     Peak,
     Folding,
+    Fracture,
+    Brittle,
+    Tear,
     SmoothTable,
     RateTable,
 )
 
 __all__ = [
     "SPRING_LAWS",
+    "BoucWen",
+    "Brittle",
     "Coulomb",
     "CrushPlateau",
     "Folding",
+    "Fracture",
     "LinearStop",
+    "Maxwell",
+    "MeasuredCurve",
     "Peak",
     "PiecewiseAffine",
     "QuadraticStop",
@@ -41,6 +56,7 @@ __all__ = [
     "RatePower",
     "RateTable",
     "SmoothTable",
+    "Tear",
     "TensionSpring",
     "Tie",
     "Viscous",

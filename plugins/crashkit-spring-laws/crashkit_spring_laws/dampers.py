@@ -23,7 +23,11 @@ class Viscous(SpringLaw):
 
 
 class Coulomb(SpringLaw):
-    """Dry friction that opposes the rate: F = friction_force tanh(ddot / slip_rate)."""
+    """Dry friction that opposes the rate: F = friction_force tanh(ddot / slip_rate).
+
+    Smooth, because a force that jumps with the sign of the rate would hold the joint on its jump. So what should stick creeps,
+    by at most slip_rate; friction that sticks is `bouc_wen` without hardening.
+    """
 
     name = "coulomb"
     parameters = (

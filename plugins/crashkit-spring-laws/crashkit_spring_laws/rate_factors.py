@@ -26,14 +26,15 @@ class RateLinear(SpringLaw):
 class RatePower(SpringLaw):
     """A rise with a power of the rate while loading: 1 + A (ddot / 1 m/s)^n, after Cowper and Symonds (1957).
 
-    With r = max(ddot, 0) and r0 = 0.01 m/s the power is (r^2 + r0^2)^(n/2) - r0^n, smooth at rest.
+    In their form, 1 + (rate / D)^(1/q), n is 1/q and A is D^(-1/q), with D as a rate of deformation in m/s. With
+    r = max(ddot, 0) and r0 = 0.01 m/s the power is (r^2 + r0^2)^(n/2) - r0^n, smooth at rest.
     """
 
     name = "rate_power"
     unit = "1"
     parameters = (
-        ParameterSpec("rate_amplitude", "1", "relative rise of the force at 1 m/s", lower=0.0, null=0.0),
-        ParameterSpec("rate_exponent", "1", "exponent of the rate", lower=0.05, upper=2.0),
+        ParameterSpec("rate_amplitude", "1", "relative rise of the force at 1 m/s (A)", lower=0.0, null=0.0),
+        ParameterSpec("rate_exponent", "1", "exponent of the rate (n)", lower=0.05, upper=2.0),
     )
 
     @staticmethod
@@ -45,13 +46,17 @@ class RatePower(SpringLaw):
 
 
 class RateLogarithm(SpringLaw):
-    """A rise with the logarithm of the rate while loading: 1 + A log(1 + ddot / reference), after Johnson and Cook (1983)."""
+    """A rise with the logarithm of the rate while loading: 1 + A ln(1 + ddot / reference_rate), after Johnson and Cook (1983).
+
+    Their form, 1 + C ln(rate / reference rate) above the reference rate, has the same C = A and the same slope in ln(rate) at
+    high rates; the 1 in the logarithm lets it begin at rest without a corner.
+    """
 
     name = "rate_logarithm"
     unit = "1"
     parameters = (
-        ParameterSpec("rate_amplitude", "1", "relative rise of the force for e times the rate", lower=0.0, null=0.0),
-        ParameterSpec("reference_rate", "m s-1", "rate above which the force rises", lower=1e-3, upper=100.0),
+        ParameterSpec("rate_amplitude", "1", "relative rise of the force for e times the rate (A, or C)", lower=0.0, null=0.0),
+        ParameterSpec("reference_rate", "m s-1", "rate about which the force begins to rise", lower=1e-3, upper=100.0),
     )
 
     @staticmethod

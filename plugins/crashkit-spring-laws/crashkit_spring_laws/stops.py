@@ -36,12 +36,15 @@ class QuadraticStop(SpringLaw):
 
 
 class TensionSpring(SpringLaw):
-    """A spring that only pulls: F = k min(0, d)."""
+    """A spring that only pulls, once its slack is gone: F = k min(0, d + slack)."""
 
     name = "tension_spring"
-    parameters = (ParameterSpec("stiffness", "N m-1", "slope in tension (k)", lower=0.0, null=0.0),)
+    parameters = (
+        ParameterSpec("stiffness", "N m-1", "slope in tension (k)", lower=0.0, null=0.0),
+        ParameterSpec("slack", "m", "extension before it pulls", lower=0.0, default=0.0, null=0.0),
+    )
 
     @staticmethod
-    def force(d: float, ddot: float, d_max: float, stiffness: float) -> float:
+    def force(d: float, ddot: float, d_max: float, stiffness: float, slack: float) -> float:
         """The force, N, compression positive."""
-        return stiffness * min(0.0, d)
+        return stiffness * min(0.0, d + slack)

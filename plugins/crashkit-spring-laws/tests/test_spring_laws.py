@@ -7,10 +7,15 @@ import pytest
 from crashkit.testing import SpringLawContract
 from crashkit_spring_laws import (
     SPRING_LAWS,
+    BoucWen,
+    Brittle,
     Coulomb,
     CrushPlateau,
     Folding,
+    Fracture,
     LinearStop,
+    Maxwell,
+    MeasuredCurve,
     Peak,
     PiecewiseAffine,
     QuadraticStop,
@@ -19,6 +24,7 @@ from crashkit_spring_laws import (
     RatePower,
     RateTable,
     SmoothTable,
+    Tear,
     TensionSpring,
     Tie,
     Viscous,
@@ -30,6 +36,7 @@ PLATEAU = {
     "densification_deformation": 0.35,
     "densification_stiffness": 9e5,
 }
+MEASURED = {"deformation": [0.04, 0.1, 0.2, 0.5], "force": [5e4, 8e4, 5e4, 2e5]}
 CORNERS = {"deformation": [0.1, 0.2, 0.5], "force": [8e4, 5e4, 2e5], "final_stiffness": 4e5}
 
 EXAMPLES = [
@@ -46,10 +53,20 @@ EXAMPLES = [
     (LinearStop, {"stiffness": 1e6, "stop_deformation": 0.3}),
     (QuadraticStop, {"coefficient": 1e6, "stop_deformation": 0.3}),
     (TensionSpring, {"stiffness": 1e6}),
+    (TensionSpring, {"stiffness": 1e6, "slack": 0.05}),
     (Peak, {"peak_force": 5e4, "peak_deformation": 0.1}),
     (Folding, {"amplitude": 2e4, "fold_length": 0.3, "onset": 0.2}),
     (SmoothTable, {"heights": [1e4, -2e4, 3e4], "reach": 0.6}),
     (RateTable, {"heights": [-1e4, 0.0, 2e4, 3e4], "reach": 10.0}),
+    (MeasuredCurve, MEASURED),
+    (MeasuredCurve, MEASURED | {"unloading_stiffness": 2e6, "clearance": 0.1}),
+    (BoucWen, {"stiffness": 1e6, "yield_force": 5e4}),
+    (BoucWen, {"stiffness": 1e6, "yield_force": 5e4, "hardening": 0.1, "sharpness": 1.0}),
+    (Maxwell, {"relaxing_stiffness": 1e6, "relaxation_time": 0.02}),
+    (Maxwell, {"relaxing_stiffness": 1e6, "relaxation_time": 0.005, "clearance": 0.05, "tension": 1.0}),
+    (Fracture, {"fracture_deformation": 0.3, "loss": 0.7}),
+    (Brittle, {"stiffness": 1e6, "fracture_deformation": 0.3}),
+    (Tear, {"tear_extension": 0.05, "loss": 0.7}),
     (Tie, {"stiffness": 1e6, "damping": 2e3, "slack": 0.05}),
 ]
 

@@ -7,6 +7,10 @@ import xarray as xr
 
 from crashkit.errors import CrashkitError
 
+DRIFT = 1e-3
+"""Standard deviation of a clock's rate, as far as nothing is known of it."""
+UNDETERMINED = 0.3
+"""An offset whose standard deviation is this part of the range that was searched is not determined."""
 SECOND, ONE = {"units": "s"}, {"units": "1"}
 
 
@@ -42,6 +46,20 @@ def clocks(
     )
 
 
+def settled(
+    names: Sequence[str], clock: np.ndarray, covariance: np.ndarray, epoch: float, within: float, **about: object
+) -> xr.Dataset:
+    """The same from clocks (view, 2) of offset and rate that were searched for within a range, s.
+
+    An offset that remains as uncertain as the range, or lies outside, is not determined.
+    """
+    unknown = (covariance[:, 0, 0] > (UNDETERMINED * within) ** 2) | (np.abs(clock[:, 0]) > within)
+    known, certain = clock.copy(), covariance.copy()
+    known[unknown, 0] = np.nan
+    certain[unknown, 0, 0] = np.inf
+    return clocks(names, known[:, 0], known[:, 1], certain, epoch, **about)
+
+
 def corrected_time(stamps: xr.DataArray, clock: xr.Dataset) -> xr.DataArray:
     """The times that stamps belong to, t = s - offset - rate (s - epoch), in s.
 
@@ -69,7 +87,6 @@ def synchronised(instrument: xr.Dataset, clock: xr.Dataset) -> xr.Dataset:
 
     Raises CrashkitError where a clock could not be determined.
     """
-    time = corrected_time(instrument["time"], clock)
     if "view" in instrument.dims:
-        return instrument.assign(frame_time=time.transpose("time", "view").reset_coords(drop=True))
-    return instrument.assign_coords(time=("time", time.values, SECOND))
+        return instrument.assign(frame_time=corrected_time(instrument["time"], clock).transpose("time", "view"))
+    return instrument.assign_coords(time=("time", corrected_time(instrument["time"], clock.squeeze("view")).values, SECOND))

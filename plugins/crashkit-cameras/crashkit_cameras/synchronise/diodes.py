@@ -6,11 +6,8 @@ from attrs import frozen
 from scipy.optimize import linprog
 
 from crashkit.errors import CrashkitError
-from crashkit_cameras.synchronise.clocks import clocks
+from crashkit_cameras.synchronise.clocks import DRIFT, clocks
 from crashkit_cameras.synchronise.polygon import cut, moments
-
-DRIFT = 1e-3
-"""Standard deviation of a clock's rate, as far as nothing is known of it."""
 
 
 @frozen

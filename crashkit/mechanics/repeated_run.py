@@ -1,0 +1,119 @@
+"""One run of a model, again and again at other values: what stays the same is prepared once."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+from attrs import frozen
+
+from crashkit.errors import SimulationError
+from crashkit.mechanics.kernel.arrays import START, Floats, Record, Work
+from crashkit.mechanics.kernel.run import DONE
+from crashkit.mechanics.layout import DOF
+from crashkit.mechanics.motion import motion_of
+from crashkit.mechanics.run import bodies_of, joints_of, prepare, record_of, work_of
+from crashkit.mechanics.simulator import NO_HISTORY, Simulator, with_knots
+
+BY_BODY = ("position", "velocity", "acceleration", "contact_force")
+"""Quantities that a record holds for each body and axis."""
+
+
+class RepeatedRun:
+    """A run whose values change and nothing else, at the cost of the compiled kernel.
+
+    Arguments:
+        simulator: of the model.
+        times: s, increasing, from 0 or later.
+        paths: of the parameters that change from run to run.
+        values: by path, of others that keep a value that is not the model's.
+        initial: the state at t = 0, as `Simulator.run` takes it.
+        step: s, longest step of the integration.
+    """
+
+    def __init__(
+        self,
+        simulator: Simulator,
+        times: Floats,
+        paths: Sequence[str],
+        values: Mapping[str, float] | None = None,
+        initial: xr.Dataset | None = None,
+        step: float = 1e-4,
+    ) -> None:
+        self.times, self.paths = times, tuple(paths)
+        self._simulator, self._step = simulator, step
+        self._layout = prepare(simulator.layout, values or {}, initial)
+        self._places = [self._layout.place(path) for path in paths]
+        self._is_structural = any(name != "parameters" for name, _ in self._places)
+        self._instants = with_knots(times, self._layout)
+        self._rows = np.searchsorted(self._instants, times)
+        self._arrays: dict[bool, _Arrays] = {}
+
+    def record(self, values: Floats, sensitivities: bool = False) -> Record:
+        """The run at these values of `paths`; its arrays are overwritten by the next one.
+
+        Raises:
+            SimulationError: the motion is not finite, or it does not get past some time.
+        """
+        for (name, index), value in zip(self._places, values.tolist(), strict=True):
+            getattr(self._layout, name)[index] = value
+        work, record = self._begin(sensitivities)
+        status, joint, t, _ = self._simulator.engine.module.integrate(
+            self._instants, self._step, *work, *record, NO_HISTORY
+        )
+        if status != DONE:
+            raise SimulationError(self._simulator.sentence(status, joint, t))
+        if self._instants is self.times:
+            return record
+        return Record(*(array[self._rows] if array.shape[0] else array for array in record))
+
+    def motion(self, record: Record) -> xr.Dataset:
+        """What a record tells, as `Simulator.run` returns it."""
+        paths = self.paths if record.tangents.shape[0] else ()
+        copy = Record(*(array.copy() for array in record))
+        return motion_of(copy, self.times, self._layout.axes, self._simulator.names, paths)
+
+    def entry(self, quantity: str, body: str, axis: str) -> int | None:
+        """Where a record holds a quantity of `BY_BODY`; None where it does not."""
+        axes, bodies = self._layout.axes, self._layout.bodies
+        if quantity not in BY_BODY or axis not in axes:
+            return None
+        dof, (work, _) = DOF[len(axes)], self._begin(False)
+        velocities, size = dof * len(bodies), work.state.shape[1] // 2
+        starts = (0, velocities, size + velocities, 2 * size + 3 * work.joints.size)
+        return starts[BY_BODY.index(quantity)] + dof * bodies.index(body) + axes.index(axis)
+
+    def _begin(self, sensitivities: bool) -> tuple[Work, Record]:
+        """The arrays as they are at t = 0."""
+        if sensitivities not in self._arrays:
+            self._arrays[sensitivities] = self._prepared(self.paths if sensitivities else ())
+            return self._arrays[sensitivities].work, self._arrays[sensitivities].record
+        work, first, record = (known := self._arrays[sensitivities]).work, known.first, known.record
+        for array, start in zip(work, first, strict=True):
+            if array is not work.parameters:
+                array[...] = start
+        if self._is_structural:
+            self._renew(work)
+        return work, record
+
+    def _prepared(self, paths: tuple[str, ...]) -> "_Arrays":
+        work = work_of(self._layout, self._simulator.engine, paths)
+        first = Work(*(array.copy() for array in work))
+        return _Arrays(work, first, record_of(work, len(self._layout.axes), self._instants.size))
+
+    def _renew(self, work: Work) -> None:
+        """Masses, inertia, lengths, points and the initial state."""
+        bodies, joints = bodies_of(self._layout), joints_of(self._layout)
+        for name in ("inverse_mass", "inertia"):
+            work.bodies[name] = bodies[name]
+        for name in ("rest", "places"):
+            work.joints[name] = joints[name]
+        work.state[START, : self._layout.start.size] = self._layout.start.ravel()
+
+
+@frozen(eq=False)
+class _Arrays:
+    """Those of the kernel, a copy of them at t = 0, and room for the results."""
+
+    work: Work
+    first: Work
+    record: Record

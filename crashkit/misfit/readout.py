@@ -1,0 +1,82 @@
+"""Instruments that show single numbers of a run, read from its record without a Dataset."""
+
+import numpy as np
+from attrs import frozen
+
+from crashkit.data.channel_filter import filter_channel
+from crashkit.mechanics.kernel.arrays import Floats, Integers
+from crashkit.mechanics.repeated_run import RepeatedRun
+from crashkit.misfit.channel import Group
+from crashkit.protocols import PlainObserver
+
+
+@frozen(eq=False)
+class Readout:
+    """Where a group's channels stand in the record of a run.
+
+    Arguments:
+        rows: of the record, one for each time stamp; the first for those before contact.
+        entries: of the record, one for each channel.
+        rates: the entries of their rates, where the motion before contact changes them.
+        early: (time stamp, 1) s, of those before contact.
+        is_still: whether the channels show nothing before contact.
+        times: s, the time stamps.
+        frequency_class: of the channels' filter, 0 for none.
+        offset: (channel,) added to what they show.
+    """
+
+    rows: Integers
+    entries: Integers
+    rates: Integers
+    early: Floats
+    is_still: bool
+    times: Floats
+    frequency_class: int
+    offset: Floats
+
+    def samples(self, values: Floats) -> Floats:
+        """(time, channel) from the values of a record."""
+        return self._read(values) + self.offset
+
+    def sensitivity(self, tangents: Floats) -> Floats:
+        """(time, channel, column) from the tangents of a record."""
+        return self._read(tangents)
+
+    def _read(self, record: Floats) -> Floats:
+        shown = record[self.rows[:, None], self.entries]
+        before = len(self.early)
+        if before and self.is_still:
+            shown[:before] = 0.0
+        elif before and self.rates.size:
+            shown[:before] += self.early.reshape(-1, *(1,) * (shown.ndim - 1)) * record[0, self.rates]
+        return filter_channel(shown, self.times, self.frequency_class, before=0.0) if self.frequency_class else shown
+
+
+def readout_of(group: Group, run: RepeatedRun, turning: bool, tolerance: float) -> Readout | None:
+    """The readout of a group; None where only its observer knows what it reads.
+
+    Arguments:
+        group: of the recording, its instrument without errors.
+        run: whose record is read; its times hold 0 and every later time stamp to within `tolerance`, s.
+        turning: whether the bodies of the model may turn.
+    """
+    if not isinstance(group.observer, PlainObserver):
+        return None
+    reading = group.observer.reading(group.dataset, turning)
+    if reading is None:
+        return None
+    places = list(zip(reading.bodies, reading.axes, strict=True))
+    entries = [run.entry(reading.quantity, body, axis) for body, axis in places]
+    if None in entries or group.times.max(initial=0.0) > run.times[-1] + tolerance:
+        return None
+    rates = [run.entry("velocity", body, axis) for body, axis in places] if reading.quantity == "position" else []
+    return Readout(
+        rows=np.searchsorted(run.times, np.maximum(group.times - tolerance, 0.0)),
+        entries=np.array(entries, int),
+        rates=np.array(rates, int),
+        early=group.times[group.times < 0.0],
+        is_still=reading.quantity not in ("position", "velocity"),
+        times=group.times,
+        frequency_class=int(group.dataset.attrs.get("channel_frequency_class", 0)),
+        offset=reading.offset,
+    )

@@ -1,0 +1,57 @@
+"""A force that relaxes while the deformation is held."""
+
+from crashkit.protocols import ParameterSpec, SpringLaw
+from crashkit_spring_laws.shared import CLEARANCE, TENSION
+
+
+class Maxwell(SpringLaw):
+    """A spring in series with a dashpot (Maxwell): F = k (x - q) with q' = (x - q) / tau, and x = max(0, d - clearance).
+
+    The memory q is the deformation of the dashpot: quick loading meets the slope k, and a force that is held falls by 63 % in
+    tau. With `tension` it also pulls, and the clearance is free play either way. In parallel with an elastic law it is the
+    standard linear solid (Zener). A relaxation time below twice the step of the integration asks for a shorter step.
+    """
+
+    name = "maxwell"
+    memory = "dashpot_deformation"
+    parameters = (
+        ParameterSpec("relaxing_stiffness", "N m-1", "slope of the spring (k)", lower=0.0, null=0.0),
+        ParameterSpec("relaxation_time", "s", "in which a force that is held falls to 37 % (tau)", lower=2e-4, upper=1e3),
+        CLEARANCE,
+        TENSION,
+    )
+
+    @staticmethod
+    def force(
+        d: float,
+        ddot: float,
+        d_max: float,
+        dashpot_deformation: float,
+        relaxing_stiffness: float,
+        relaxation_time: float,
+        clearance: float,
+        tension: float,
+    ) -> float:
+        """The force, N, compression positive."""
+        spring = relaxing_stiffness * (_engaged(d, clearance, tension) - dashpot_deformation)
+        return spring if tension > 0.0 else max(0.0, spring)
+
+    @staticmethod
+    def memory_rate(
+        d: float,
+        ddot: float,
+        d_max: float,
+        dashpot_deformation: float,
+        relaxing_stiffness: float,
+        relaxation_time: float,
+        clearance: float,
+        tension: float,
+    ) -> float:
+        """How fast the dashpot is deformed, m/s."""
+        return (_engaged(d, clearance, tension) - dashpot_deformation) / relaxation_time
+
+
+def _engaged(d: float, clearance: float, tension: float) -> float:
+    """The deformation beyond the clearance."""
+    pressed = max(0.0, d - clearance)
+    return pressed + min(0.0, d + clearance) if tension > 0.0 else pressed
