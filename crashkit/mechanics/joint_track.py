@@ -28,6 +28,11 @@ class Track:
     state: np.ndarray
     ends: tuple[tuple[int, np.ndarray], tuple[int, np.ndarray]]
 
+    def picked(self, rows: Sequence[int]) -> "Track":
+        """The same at some instants."""
+        ends = [(body, along[list(rows)]) for body, along in self.ends]
+        return Track(self.law, self.state[list(rows)], (ends[0], ends[1]))
+
     def modes(self, values: Mapping[str, float]) -> list[Modes]:
         """The branches that each state takes."""
         numbers = self.law.numbers(values)

@@ -1,7 +1,8 @@
 """The state form: between two crossings of thresholds the accelerations are f(X) U + g(X), linear in the parameters U."""
 
 from collections.abc import Mapping, Sequence
-from itertools import groupby
+from copy import copy
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -44,8 +45,7 @@ def state_form(model: Model, laws: Mapping[str, type[SpringLaw]], motion: xr.Dat
     modes = equations.modes(values)
     acceleration, matrix = equations.at(values, modes)
     given = acceleration - matrix @ np.array([values[path] for path in equations.paths])
-    linear = [equations.is_linear(path, values, modes, matrix) for path in equations.paths]
-    variables: dict[str, Any] = {"linear": ("parameter", np.array(linear, dtype=bool))}
+    variables: dict[str, Any] = {"linear": ("parameter", equations.linear(values, modes))}
     count = motion.sizes["axis"]
     for start, name, prefix in ((0, "acceleration", ""), (count, "angular_acceleration", "angular_")):
         columns = slice(start, start + count)
@@ -98,12 +98,23 @@ class StateForm:
             load[:, row], slopes[:, row] = self._response(row, body, load[:, row], slopes[:, row], values)
         return load, slopes
 
-    def is_linear(self, path: str, values: Mapping[str, float], modes: Sequence[Sequence[Modes]], matrix: np.ndarray) -> bool:
-        """Whether no derivative changes with this parameter while the branches are held; `matrix` is that of `at`."""
-        nudged = {**values, path: values[path] * NUDGE if values[path] else NUDGE}
-        other = self.at(nudged, modes)[1]
-        size = np.abs(matrix).max(axis=(0, 1, 2), initial=0.0)
-        return bool(np.all(np.abs(other - matrix).max(axis=(0, 1, 2), initial=0.0) <= 1e-9 * size))
+    def linear(self, values: Mapping[str, float], modes: Sequence[Sequence[Modes]]) -> np.ndarray:
+        """Whether no derivative changes with a parameter while the branches are held, (parameter,)."""
+        rows = _ends_of_intervals(_changed(modes, len(self._loads)))
+        few, taken = self._picked(rows), [[sequence[row] for row in rows] for sequence in modes]
+        matrix = few.at(values, taken)[1]
+        size = 1e-9 * np.abs(matrix).max(axis=(0, 1, 2), initial=0.0)
+        nudges = [{**values, path: values[path] * NUDGE if values[path] else NUDGE} for path in self.paths]
+        changes = [np.abs(few.at(nudge, taken)[1] - matrix).max(axis=(0, 1, 2), initial=0.0) for nudge in nudges]
+        return np.array([bool(np.all(change <= size)) for change in changes], dtype=bool)
+
+    def _picked(self, rows: Sequence[int]) -> "StateForm":
+        """The same at some instants."""
+        few = copy(self)
+        few.motion = self.motion.isel(time=list(rows))
+        few.tracks = [track.picked(rows) for track in self.tracks]
+        few._loads = self._loads[list(rows)]
+        return few
 
     def _response(
         self, row: int, body: Body, load: np.ndarray, slopes: np.ndarray, values: Mapping[str, float]
@@ -112,7 +123,6 @@ class StateForm:
         if not _moves(body):
             return np.zeros_like(load), np.zeros_like(slopes)
         mass, path = values[f"body.{body.name}.mass"], f"body.{body.name}.mass"
-        straight = min(self._dof, 3)
         straight = min(self._dof, 3)
         acceleration, derivative = load / mass, slopes / mass
         if path in self.paths:
@@ -192,22 +202,35 @@ def _moment(model: Model, moment: Sequence[float]) -> np.ndarray:
     return np.asarray(moment[0] * np.cross(first, second))
 
 
+def _changed(modes: Sequence[Sequence[Modes]], count: int) -> np.ndarray:
+    """Whether a joint takes other branches than at the instant before, (time, joint)."""
+    changed = np.zeros((count, len(modes)), dtype=bool)
+    for joint, sequence in enumerate(modes):
+        changed[1:, joint] = [before != after for before, after in pairwise(sequence)]
+    return changed
+
+
+def _ends_of_intervals(changed: np.ndarray) -> list[int]:
+    """The first and the last instant of each interval, in turn."""
+    starts = np.flatnonzero(changed.any(axis=1)).tolist()
+    return [row for pair in zip([0, *starts], [*(row - 1 for row in starts), len(changed) - 1], strict=True) for row in pair]
+
+
 def _intervals(model: Model, times: np.ndarray, modes: Sequence[Sequence[Modes]]) -> xr.Dataset:
     """The branches as numbers, and the sequence of intervals that all joints share."""
     codes = [{taken: number for number, taken in enumerate(dict.fromkeys(sequence))} for sequence in modes]
     branch = np.array([[code[taken] for taken in sequence] for code, sequence in zip(codes, modes, strict=True)], dtype=int)
     branch = branch.reshape(len(modes), len(times)).T
-    changed = np.vstack([np.zeros((1, len(modes)), dtype=bool), np.diff(branch, axis=0) != 0])
-    interval = np.cumsum(changed.any(axis=1))
-    spans = [[index for index, _ in group] for _, group in groupby(enumerate(interval.tolist()), key=lambda pair: pair[1])]
+    changed = _changed(modes, len(times))
+    ends = _ends_of_intervals(changed)
     names = np.array([joint.name for joint in model.joints], dtype=str)
     return xr.Dataset(
         {
             "branch": (("time", "joint"), branch),
-            "interval_number": ("time", interval),
-            "start": ("interval", [times[span[0]] for span in spans], {"units": "s"}),
-            "end": ("interval", [times[span[-1]] for span in spans], {"units": "s"}),
-            "crossing": ("interval", [", ".join(names[changed[span[0]]]) for span in spans]),
+            "interval_number": ("time", np.cumsum(changed.any(axis=1))),
+            "start": ("interval", times[ends[::2]], {"units": "s"}),
+            "end": ("interval", times[ends[1::2]], {"units": "s"}),
+            "crossing": ("interval", [", ".join(names[changed[row]]) for row in ends[::2]]),
         },
         {"time": ("time", times, {"units": "s"}), "joint": names},
     )

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from crashkit.mechanics import Engine, LawFunction, Simulator, compile_engine
+from crashkit.mechanics.layout import memory_rate
 from crashkit.model import Body, GivenForce, GivenMotion, Joint, Model, Parameter
 from crashkit_spring_laws import SPRING_LAWS
 
-SIZES = {"piecewise_affine": (3, 3), "smooth_table": (4,), "rate_table": (4,)}
+SIZES = {"piecewise_affine": (3, 3), "measured_curve": (4, 4), "smooth_table": (4,), "rate_table": (4,)}
+SEVERAL_AXES = ("crush_plateau", "viscous", "linear_stop", "tension_spring", "rate_linear")
 PLATEAU = {
     "elastic_stiffness": 1.2,
     "crush_force": 0.24,
@@ -35,12 +37,24 @@ def laws():
 
 @pytest.fixture(scope="session")
 def engine(laws) -> Engine:
-    return compile_engine(LawFunction(law, SIZES.get(name, ())) for name, law in laws.items())
+    return compile_engine(
+        function
+        for name, law in laws.items()
+        if not law.opaque
+        for function in _functions(law, SIZES.get(name, tuple(4 for spec in law.parameters if spec.vector)))
+    )
 
 
 @pytest.fixture(scope="session")
-def simulator(laws, engine) -> Callable[[Model], Simulator]:
-    return lambda model: Simulator(model, laws, engine)
+def engines(laws, engine) -> Mapping[int, Engine]:
+    """One for each number of axes: to compile it is what takes the time."""
+    functions = [LawFunction(laws[name]) for name in SEVERAL_AXES]
+    return {1: engine, 2: compile_engine(functions, 2), 3: compile_engine(functions, 3)}
+
+
+@pytest.fixture(scope="session")
+def simulator(laws, engines) -> Callable[[Model], Simulator]:
+    return lambda model: Simulator(model, laws, engines[len(model.axes)])
 
 
 @pytest.fixture(scope="session")
@@ -66,6 +80,11 @@ def against_wall(joint):
         return Model("against the wall", ("x",), bodies, (joint("spring", ("wall", "mass"), law, parameters, **others),))
 
     return make
+
+
+def _functions(law, sizes):
+    parts = ("force", "memory_rate") if law.memory else ("force",)
+    return [LawFunction(law, sizes, part) for part in parts]
 
 
 def _parameter(value):

@@ -29,35 +29,35 @@ def random_weights(random, sensitivity):
 
 
 @pytest.mark.parametrize("axes", [1, 2, 3])
-def test_it_is_the_transpose_of_the_sensitivities(laws, car, axes):
+def test_it_is_the_transpose_of_the_sensitivities(simulator, car, axes):
     model = car(axes)
-    simulator, paths = Simulator(model, laws), list(every_path(model, axes))
-    motion = simulator.run(TIMES, sensitivities=paths)
+    own, paths = simulator(model), list(every_path(model, axes))
+    motion = own.run(TIMES, sensitivities=paths)
     random = np.random.default_rng(axes)
     names = [str(name).removesuffix("_sensitivity") for name in motion if str(name).endswith("_sensitivity")]
     weights = xr.Dataset({name: random_weights(random, motion[f"{name}_sensitivity"]) for name in names})
     expected = sum((weights[name] * motion[f"{name}_sensitivity"]).sum(weights[name].dims) for name in names)
-    found = simulator.adjoint(TIMES, weights, parameters=paths)
+    found = own.adjoint(TIMES, weights, parameters=paths)
     assert found["parameter"].values.tolist() == paths
     np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-12 * np.abs(expected).max())
 
 
-def test_the_gradient_of_a_misfit_agrees_with_differences(laws, car):
+def test_the_gradient_of_a_misfit_agrees_with_differences(simulator, car):
     """Of the sum of squares of the front's displacement, to all of the model's free parameters."""
-    simulator = Simulator(car(1), laws)
-    motion = simulator.run(TIMES)
-    gradient = simulator.adjoint(TIMES, motion[["position"]] * 2.0)
+    own = simulator(car(1))
+    motion = own.run(TIMES)
+    gradient = own.adjoint(TIMES, motion[["position"]] * 2.0)
     for path in ("joint.face.crush_force", "joint.line.elastic_stiffness", "joint.stop.stop_deformation", "body.rear.mass"):
-        value = simulator.model.parameters()[path].value
-        above, below = (float((simulator.run(TIMES, {path: value * (1.0 + h)})["position"] ** 2).sum()) for h in (1e-5, -1e-5))
+        value = own.model.parameters()[path].value
+        above, below = (float((own.run(TIMES, {path: value * (1.0 + h)})["position"] ** 2).sum()) for h in (1e-5, -1e-5))
         assert float(gradient.sel(parameter=path)) == pytest.approx((above - below) / (2e-5 * value), rel=1e-6), path
 
 
-def test_a_quantity_that_a_motion_does_not_have(laws, car):
-    simulator = Simulator(car(1), laws)
-    weights = simulator.run(TIMES)[["position"]].rename(position="colour")
+def test_a_quantity_that_a_motion_does_not_have(simulator, car):
+    own = simulator(car(1))
+    weights = own.run(TIMES)[["position"]].rename(position="colour")
     with pytest.raises(CrashkitError, match="expected weights of deformation.*, found colour"):
-        simulator.adjoint(TIMES, weights)
+        own.adjoint(TIMES, weights)
 
 
 class Broken(SpringLaw):

@@ -5,7 +5,6 @@ import pytest
 import xarray as xr
 from attrs import evolve
 
-from crashkit.mechanics import Simulator
 from crashkit.mechanics.along import forces_along
 from crashkit.model import Body, Model, Parameter
 
@@ -56,9 +55,9 @@ def test_along_its_own_motion_the_forces_are_the_simulators(chain, laws, simulat
 
 
 @pytest.mark.parametrize("axes", [2, 3])
-def test_so_they_are_in_the_plane_and_in_space(car, laws, axes):
+def test_so_they_are_in_the_plane_and_in_space(car, laws, simulator, axes):
     model = car(axes)
-    motion = Simulator(model, laws).run(np.linspace(0.0, 0.08, 1601))
+    motion = simulator(model).run(np.linspace(0.0, 0.08, 1601))
     along = forces_along(model, laws, motion[["position", "velocity", "orientation", "angular_velocity"]])
     for quantity in ("deformation", "deformation_rate", "force", "contact_force", "contact_moment"):
         assert along[quantity].dims == motion[quantity].dims

@@ -9,11 +9,9 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from crashkit.errors import CrashkitError, SimulationError
-from crashkit.mechanics import LawFunction, Simulator, compile_engine
 from crashkit.model import Body, GivenForce, GivenMotion, Joint, Model, Parameter
 
 AXES = {2: ("x", "y"), 3: ("x", "y", "z")}
-LAWS = ("crush_plateau", "viscous", "linear_stop", "tension_spring")
 LINEAR = {
     "elastic_stiffness": 4e4,
     "crush_force": 1e9,
@@ -25,16 +23,8 @@ LINEAR = {
 
 
 @pytest.fixture(scope="session")
-def engines(laws):
-    return {axes: compile_engine([LawFunction(laws[name]) for name in LAWS], axes) for axes in (2, 3)}
-
-
-@pytest.fixture(scope="session")
-def simulate(laws, engines):
-    def run(model, times, **options):
-        return Simulator(model, laws, engines[len(model.axes)]).run(times, **options)
-
-    return run
+def simulate(simulator):
+    return lambda model, times, **options: simulator(model).run(times, **options)
 
 
 def numbers(**values):
@@ -295,10 +285,10 @@ def test_a_face_is_a_line_whose_point_lies_far_behind(simulate):
     assert motion["force"].max() > 1e3
     np.testing.assert_allclose(motion["contact_force"].values[:, 1, 1], 0.0, atol=1e-9)
     np.testing.assert_allclose(motion["contact_force"].values[:, 1, 0], -motion["force"].values[:, 0])
-    reach = motion["position"].values[:, 1, 1]
-    np.testing.assert_allclose(
-        motion["contact_moment"].values[:, 0, 2], -reach * -motion["force"].values[:, 0] * -1.0, atol=1.0 + 0.2 * 1e4
-    )
+    position, moment = motion["position"].values[:, 1], motion["contact_moment"].values
+    angle = 2.0 * np.arctan2(motion["orientation"].values[:, 1, 3], motion["orientation"].values[:, 1, 0])
+    height = position[:, 1] + 0.1 * np.sin(angle)
+    np.testing.assert_allclose(moment[:, 0, 2], -height * motion["force"].values[:, 0], atol=1e-6)
 
 
 def test_an_oblique_wall_pushes_along_its_normal_and_turns_the_car(simulate):
@@ -317,22 +307,22 @@ def test_an_oblique_wall_pushes_along_its_normal_and_turns_the_car(simulate):
 
 
 @pytest.mark.parametrize("axes", [1, 2, 3])
-def test_a_given_force_and_gravity_move_a_free_body(laws, axes):
+def test_a_given_force_and_gravity_move_a_free_body(simulate, axes):
     force = GivenForce((0.1, 0.3), ((100.0,) + (0.0,) * (axes - 1), (300.0,) + (0.0,) * (axes - 1)))
     inertia = {1: (), 2: (2.0,), 3: (2.0, 2.0, 2.0)}[axes]
     free = body("free", (0.0,) * axes, (1.0,) + (0.0,) * (axes - 1), inertia=inertia, force=force)
     model = Model("given", ("x", "y", "z")[:axes], (free,), (), gravity=(2.0,) + (0.0,) * (axes - 1))
     times = np.array([0.05, 0.1, 0.2, 0.3, 0.5])
-    motion = Simulator(model, laws).run(times)
+    motion = simulate(model, times)
     within = np.clip(times, 0.1, 0.3) - 0.1
     expected = 1.0 + 2.0 * times + (100.0 * within + 500.0 * within**2) / 50.0
     np.testing.assert_allclose(motion["velocity"].values[:, 0, 0], expected, rtol=1e-12)
-    mass = Simulator(model, laws).run(times, sensitivities=["body.free.mass"])["velocity_sensitivity"].values[:, 0, 0, 0]
+    mass = simulate(model, times, sensitivities=["body.free.mass"])["velocity_sensitivity"].values[:, 0, 0, 0]
     np.testing.assert_allclose(mass, -(expected - 1.0 - 2.0 * times) / 50.0, rtol=1e-10, atol=1e-14)
 
 
 @pytest.mark.parametrize("axes", [1, 2, 3])
-def test_an_imposed_motion_is_followed_exactly_and_drives_the_others(laws, axes):
+def test_an_imposed_motion_is_followed_exactly_and_drives_the_others(simulate, axes):
     samples = np.linspace(-0.01, 0.21, 45)
     rows = np.column_stack([0.05 * np.sin(30.0 * samples), *[0.1 * samples] * (axes - 1)])
     orientation = {
@@ -346,7 +336,7 @@ def test_an_imposed_motion_is_followed_exactly_and_drives_the_others(laws, axes)
     driven = body("driven", (1.0,) + (0.0,) * (axes - 1), inertia=inertia)
     spring = Joint("spring", ("driver", "driven"), "linear_stop", numbers(stiffness=1e5, stop_deformation=-10.0))
     times = np.linspace(0.0, 0.2, 21)
-    motion = Simulator(Model("imposed", ("x", "y", "z")[:axes], (driver, driven), (spring,)), laws).run(times)
+    motion = simulate(Model("imposed", ("x", "y", "z")[:axes], (driver, driven), (spring,)), times)
     np.testing.assert_allclose(motion["position"].values[:, 0, 0], 0.05 * np.sin(30.0 * times), atol=2e-6)
     assert np.abs(motion["velocity"].values[-1, 1]).max() > 0.1
     if axes > 1:

@@ -69,7 +69,7 @@ def test_the_joints_share_one_sequence_of_intervals(laws):
     assert number[0] == 0 and set(np.diff(number)) <= {0, 1} and number[-1] == form.sizes["interval"] - 1
     changes = (form["branch"].diff("time") != 0).any("joint").sum()
     assert int(changes) == form.sizes["interval"] - 1
-    assert {name for name in form["crossing"].values[2:]} == {"first", "second"}
+    assert set(form["crossing"].values[2:]) == {"first", "second"}
     for row in range(form.sizes["interval"]):
         span = form["time"].values[number == row]
         assert (span[0], span[-1]) == (form["start"].values[row], form["end"].values[row])

@@ -75,7 +75,7 @@ def penalise(
             block[k, 0] = triangle[j, k]
             for g in range(points):
                 block[k, g + 1] = weight[j] * penalty[j, k, g] if j < len(penalty) else 0.0
-        values[:] = 0.0
+        values.fill(0.0)
         values[0] = right[j]
         reflect_in(factor, side, j, block, values, points + 1)
     return factor, side

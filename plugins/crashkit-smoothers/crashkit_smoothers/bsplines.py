@@ -26,7 +26,7 @@ def spline_row(x: float, interval: int, knots: np.ndarray, order: int, row: np.n
         row: (degree + 1,), overwritten.
     """
     degree = len(row) - 1
-    row[:] = 0.0
+    row.fill(0.0)
     row[degree] = 1.0
     for raised in range(1, degree + 1):
         carried = 0.0
@@ -49,7 +49,8 @@ def polynomials(interval: int, knots: np.ndarray, degree: int) -> np.ndarray:  #
     factors, scale = np.empty((degree + 1, degree + 1)), 1.0
     for r in range(degree + 1):
         spline_row(knots[interval] + half, interval, knots, r, factors[r])
-        factors[r] *= scale
+        for k in range(degree + 1):
+            factors[r, k] *= scale
         scale *= half / (r + 1)
     return factors
 
@@ -71,7 +72,8 @@ def roughness(knots: np.ndarray, order: int, points: np.ndarray, weights: np.nda
         if half > 0.0:
             for g in range(len(points)):
                 spline_row(start + half * (1.0 + points[g]), j + degree, knots, order, row)
-                columns[j, :, g] = row * math.sqrt(half * weights[g])
+                for k in range(degree + 1):
+                    columns[j, k, g] = row[k] * math.sqrt(half * weights[g])
     return columns
 
 
@@ -89,7 +91,8 @@ def compress(
         start, half = knots[interval], 0.5 * (knots[interval + 1] - knots[interval])
         while last < len(x) and (x[last] < knots[interval + 1] or interval == count - 1):
             last += 1
-        local[:], side[:] = 0.0, 0.0
+        local.fill(0.0)
+        side.fill(0.0)
         for begin in range(first, last, CHUNK):
             rows = min(CHUNK, last - begin)
             for i in range(rows):
@@ -139,7 +142,9 @@ def evaluate(
             last += 1
         if last > first:
             start, half = knots[interval], 0.5 * (knots[interval + 1] - knots[interval])
-            u = (x[first:last] - start) / half - 1.0
+            u = np.empty(last - first)
+            for i in range(last - first):
+                u[i] = (x[first + i] - start) / half - 1.0
             _as_polynomial(interval, knots, c, inverse, factors, covariance)
             for order in range(orders):
                 _horner(factors, u, values[order, first:last])
@@ -152,7 +157,7 @@ def evaluate(
 @njit(cache=True)
 def _horner(factors: np.ndarray, u: np.ndarray, values: np.ndarray) -> None:  # pragma: no cover
     """sum factors_r u^r."""
-    values[:] = factors[-1]
+    values.fill(factors[-1])
     for r in range(len(factors) - 2, -1, -1):
         for i in range(len(u)):
             values[i] = values[i] * u[i] + factors[r]
@@ -176,7 +181,9 @@ def _differentiate(factors: np.ndarray, covariance: np.ndarray, half: float) -> 
         factors[a] = factors[a + 1] * (a + 1) / half
         for b in range(top):
             covariance[a, b] = covariance[a + 1, b + 1] * (a + 1) * (b + 1) / half**2
-    factors[top], covariance[top], covariance[:, top] = 0.0, 0.0, 0.0
+    factors[top] = 0.0
+    for a in range(top + 1):
+        covariance[a, top] = covariance[top, a] = 0.0
 
 
 @njit(cache=True)

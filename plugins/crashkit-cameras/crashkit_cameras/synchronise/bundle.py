@@ -52,6 +52,7 @@ class Linear:
     Attributes:
         better: the state that solves the linear problem.
         reduced: the normal matrix of the views' own numbers, the splines eliminated, (18 view, 18 view).
+        illusion: the part of it about the clocks that comes from the noise of the velocities, (view, 2, 2).
         cost: sum of squares in standard deviations, of the readings and of what was known.
         square: of the readings alone.
         readings: their number, u and v each.
@@ -59,6 +60,7 @@ class Linear:
 
     better: State
     reduced: np.ndarray
+    illusion: np.ndarray
     cost: float
     square: float
     readings: int
@@ -69,7 +71,7 @@ def linearised(views: Views, state: State) -> Linear:
     parts = [_view_equations(views, state, view) for view in range(len(state.own))]
     own = state.own.ravel()
     reduced, right = views.information.copy(), -views.information @ own
-    solved = []
+    solved, illusion = [], np.zeros((len(parts), 2, 2))
     for view, part in enumerate(parts):
         place = slice(view * OWN, (view + 1) * OWN)
         reduced[place, place] += np.einsum("nmai,nmaj->ij", part.to_own, part.to_own)
@@ -80,6 +82,7 @@ def linearised(views: Views, state: State) -> Linear:
         reduced -= mixed.T @ eliminated[:, :-1]
         right -= mixed.T @ eliminated[:, -1]
         solved.append(eliminated)
+        illusion += [_illusion(part, marker, normal, views.stamps - views.epoch) for part in parts]
     step = np.linalg.solve(reduced, right)
     splines = [
         spline + (one[:, -1] - one[:, :-1] @ step).reshape(spline.shape)
@@ -87,17 +90,19 @@ def linearised(views: Views, state: State) -> Linear:
     ]
     square = float(sum(np.sum(part.residual**2) for part in parts))
     better = State((own + step).reshape(state.own.shape), np.array(splines))
-    return Linear(better, reduced, square + float(own @ views.information @ own), square, int(np.isfinite(views.image).sum()))
+    cost = square + float(own @ views.information @ own)
+    return Linear(better, reduced, illusion, cost, square, int(np.isfinite(views.image).sum()))
 
 
 @frozen(eq=False)
 class _Equations:
-    """A view's residuals (time, marker, 2) in standard deviations, their derivatives, and the splines' functions."""
+    """A view's residuals (time, marker, 2) in standard deviations, their derivatives, and the splines' functions and slopes."""
 
     residual: np.ndarray
     to_own: np.ndarray
     to_point: np.ndarray
     functions: np.ndarray
+    rates: np.ndarray
 
 
 def _view_equations(views: Views, state: State, view: int) -> _Equations:
@@ -107,7 +112,8 @@ def _view_equations(views: Views, state: State, view: int) -> _Equations:
     times = views.stamps - offset - rate * since
     functions = basis(views.knots, times)
     points = np.einsum("nk,mck->nmc", functions, state.splines)
-    velocity = np.einsum("nk,mck->nmc", basis(views.knots, times, 1), state.splines)
+    rates = basis(views.knots, times, 1)
+    velocity = np.einsum("nk,mck->nmc", rates, state.splines)
 
     camera = views.cameras.select(slice(view, view + 1)).moved(state.own[view : view + 1, 2:])
     image, to_point, to_camera = (array[0] for array in project_with_derivatives(camera, points.reshape(-1, 3)))
@@ -117,7 +123,8 @@ def _view_equations(views: Views, state: State, view: int) -> _Equations:
     to_point = to_point.reshape(count, markers, 2, 3) * weight[..., None]
     late = -np.einsum("nmac,nmc->nma", to_point, velocity)[..., None]
     to_camera = to_camera.reshape(count, markers, 2, PARAMETERS) * weight[..., None]
-    return _Equations(residual, np.concatenate([late, late * since[:, None, None, None], to_camera], axis=-1), to_point, functions)
+    to_own = np.concatenate([late, late * since[:, None, None, None], to_camera], axis=-1)
+    return _Equations(residual, to_own, to_point, functions, rates)
 
 
 def _marker_equations(
@@ -134,3 +141,11 @@ def _marker_equations(
     second = np.kron(np.eye(3), np.diff(np.eye(spline.shape[1]), 2, axis=0))
     smooth = BRIDGE * np.trace(normal) / size * second.T @ second
     return normal + smooth, mixed, gradient - smooth @ spline.ravel()
+
+
+def _illusion(part: _Equations, marker: int, normal: np.ndarray, since: np.ndarray) -> np.ndarray:
+    """What the noise of a marker's velocity contributes to a clock's normal matrix: a target at rest seems to move."""
+    slopes = (part.to_point[:, marker, :, :, None] * part.rates[:, None, None, :]).reshape(-1, len(normal))
+    variance = np.sum(slopes * np.linalg.solve(normal, slopes.T).T, axis=1).reshape(-1, 2).sum(axis=1)
+    powers = np.stack([np.ones_like(since), since])
+    return np.asarray(powers * variance @ powers.T)

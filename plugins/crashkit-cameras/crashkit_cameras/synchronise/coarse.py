@@ -12,8 +12,8 @@ LEAST_COMMON = 0.3
 RIVAL = 1.5
 """Another offset at which the rays meet with less than so many times the error could be meant as well; or with the error that
 half a step makes."""
-APART = 3
-"""Steps between two offsets that are not the same."""
+HILL = 2.0
+"""How much higher the error is between two offsets that are not the same."""
 
 
 def undistorted(cameras: Cameras, image: np.ndarray) -> np.ndarray:
@@ -45,11 +45,18 @@ def coarse_offset(cameras: Cameras, stamps: np.ndarray, image: np.ndarray, offse
     least = LEAST_COMMON * np.isfinite(image).all(axis=(0, 3)).sum()
     errors = np.array([_error(cameras, np.stack([image[0], shifted(stamps, image[1], one)]), least) for one in offsets])
     best = int(np.argmin(errors))
-    before, after = np.append(np.inf, errors[:-1]), np.append(errors[1:], np.inf)
-    half_a_step_off = 0.5 * max(errors[max(best - 1, 0)], errors[min(best + 1, len(errors) - 1)])
-    as_good = errors < max(RIVAL * errors[best], half_a_step_off)
-    valleys = np.flatnonzero(as_good & (errors <= before) & (errors <= after))
-    return float(offsets[best]), bool(np.any(np.abs(valleys - best) > APART))
+    return float(offsets[best]), _rivalled(errors, best)
+
+
+def _rivalled(errors: np.ndarray, best: int) -> bool:
+    """Whether beyond a hill the error is as low as at the best place, or as half a step beside it."""
+    beside = max(errors[max(best - 1, 0)], errors[min(best + 1, len(errors) - 1)])
+    low = max(RIVAL * errors[best], 0.5 * beside)
+    for side in (errors[best:], errors[best::-1]):
+        beyond = np.flatnonzero(side > HILL * low)
+        if beyond.size and np.min(side[beyond[0] :]) < low:
+            return True
+    return False
 
 
 def _error(cameras: Cameras, image: np.ndarray, least: float) -> float:

@@ -168,10 +168,18 @@ def _result(
     state, linear = found
     freedom = linear.readings - state.splines.size - 2 * (len(names) - 1)
     excess = linear.square / freedom
-    whole = np.linalg.inv(linear.reduced).reshape(len(names), OWN, len(names), OWN) * max(excess, 1.0)
-    covariance = np.array([whole[view, :2, view, :2] for view in range(len(names))])
+    covariance = np.array([_clock_covariance(views, linear, view) for view in range(len(names))]) * max(excess, 1.0)
     covariance[first], clock = 0.0, state.own[:, :2].copy()
     clock[first] = 0.0
     covariance[ambiguous, 0, 0] = np.inf
     about = {"reference": names[first], "normalised_residual": float(np.sqrt(excess))}
     return settled(names, clock, covariance, views.epoch, within, **about)
+
+
+def _clock_covariance(views: Views, linear: Linear, view: int) -> np.ndarray:
+    """Of a view's offset and rate, without the certainty that noise pretends, and no worse than was known beforehand."""
+    place = slice(view * OWN, view * OWN + 2)
+    known = np.sqrt(np.diag(views.information)[place])
+    information = np.linalg.inv(np.linalg.inv(linear.reduced)[place, place]) - linear.illusion[view]
+    sizes, vectors = np.linalg.eigh(information / np.outer(known, known))
+    return np.asarray(vectors / sizes.clip(min=1.0) @ vectors.T / np.outer(known, known))
