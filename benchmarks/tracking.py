@@ -1,9 +1,9 @@
 """Targets followed through rendered films: crashkit beside OpenCV's cornerSubPix and matchTemplate, on the same images.
 
-crashkit follows from the first image on. OpenCV's functions only refine, so in every image they are told the pixel in which the
-target is, and they get what serves them best: images smoothed by 1.5 pixels, a window of half the radius around a corner, and as
-template the first image around the target with the exact place of the target in it. The best match is refined by a parabola.
-cornerSubPix is for corners: it takes no part where the target is a dot.
+crashkit follows from the first image on. OpenCV's functions only refine, so in every image they are told the pixel in which
+the target is, and they get what serves them best: images smoothed by 1.5 pixels, a window of half the radius around a corner,
+and as template the first image around the target with the exact place of the target in it. The best match is refined by a
+parabola. cornerSubPix is for corners: it takes no part where the target is a dot.
 """
 
 from collections.abc import Callable, Mapping

@@ -15,7 +15,7 @@ from crashkit.model import Body, Joint, Model, Parameter
 from crashkit_spring_laws import CrushPlateau
 
 SOURCES = Path(__file__).parents[1] / "reference"
-FLAGS = ("-O3", "-march=native", "-std=gnu11", "-shared", "-fPIC")
+FLAGS = ("-O3", "-march=native", "-fopenmp-simd", "-std=gnu11", "-shared", "-fPIC")
 LANES = 4
 """To a multiple of which columns are filled up, so that every one of them is in a vector."""
 NAMES = [spec.name for spec in CrushPlateau.parameters]

@@ -51,49 +51,52 @@ static inline void push(const Model *m, const Frames *f, const State *s, double 
     b[0] += fx, b[1] += fy, b[2] += f->bx[j] * fy - f->by[j] * fx;
 }
 
-/* Derivatives of n, and of the second point's place against the first. */
+/* Derivatives of the second point's place against the first, of their distance and of n. Without branches, for vectors: `face` is 0
+   or 1. */
 #define POINTS_T(c)                                                                                          \
     double ta = t->q[a + 2][c], tb = t->q[b + 2][c];                                                         \
-    double dx_t = t->q[b][c] - tb * f->by[j] - t->q[a][c] + ta * f->ay[j];                                   \
-    double dy_t = t->q[b + 1][c] + tb * f->bx[j] - t->q[a + 1][c] - ta * f->ax[j];                           \
+    double dx_t = t->q[b][c] - tb * by - t->q[a][c] + ta * ay;                                               \
+    double dy_t = t->q[b + 1][c] + tb * bx - t->q[a + 1][c] - ta * ax;                                       \
     double along = nx * dx_t + ny * dy_t;                                                                    \
-    double nx_t = face ? -ta * ny : (dx_t - nx * along) * inverse, ny_t = face ? ta * nx : (dy_t - ny * along) * inverse;
+    double nx_t = turning * (dx_t - nx * along) - face * ta * ny;                                            \
+    double ny_t = turning * (dy_t - ny * along) + face * ta * nx;
 
 static inline void measure_t(const Model *m, const Seeds *seeds, const Frames *f, const State *s, Tangent *t, int j)
 {
-    int a = 3 * first_body[j], b = 3 * second_body[j], face = is_face[j];
-    double nx = f->nx[j], ny = f->ny[j], dx = f->dx[j], dy = f->dy[j], wa = s->v[a + 2], wb = s->v[b + 2];
-    double inverse = 1.0 / f->length[j];
+    int a = 3 * first_body[j], b = 3 * second_body[j];
+    double nx = f->nx[j], ny = f->ny[j], vx = f->vx[j], vy = f->vy[j], wa = s->v[a + 2], wb = s->v[b + 2];
+    double ax = f->ax[j], ay = f->ay[j], bx = f->bx[j], by = f->by[j], face = is_face[j], turning = (1.0 - face) / f->length[j];
+    double dx = face * f->dx[j], dy = face * f->dy[j], turned = nx * dy - ny * dx;
     (void)m;
+#pragma omp simd
     for (int c = 0; c < COLUMNS; c++) {
         POINTS_T(c)
-        double vx_t = t->v[b][c] - t->v[b + 2][c] * f->by[j] - wb * tb * f->bx[j];
-        double vy_t = t->v[b + 1][c] + t->v[b + 2][c] * f->bx[j] - wb * tb * f->by[j];
-        vx_t -= t->v[a][c] - t->v[a + 2][c] * f->ay[j] - wa * ta * f->ax[j];
-        vy_t -= t->v[a + 1][c] + t->v[a + 2][c] * f->ax[j] - wa * ta * f->ay[j];
-        double w_t = -(nx_t * f->vx[j] + ny_t * f->vy[j] + nx * vx_t + ny * vy_t), length_t = along;
-        if (face) {
-            length_t += nx_t * dx + ny_t * dy;
-            w_t -= t->v[a + 2][c] * (nx * dy - ny * dx) + wa * (nx_t * dy - ny_t * dx + nx * dy_t - ny * dx_t);
-        }
-        t->d[j][c] = seeds->rest[j][c] - length_t;
-        t->w[j][c] = w_t;
+        double wa_t = t->v[a + 2][c], wb_t = t->v[b + 2][c];
+        double vx_t = t->v[b][c] - wb_t * by - wb * tb * bx - t->v[a][c] + wa_t * ay + wa * ta * ax;
+        double vy_t = t->v[b + 1][c] + wb_t * bx - wb * tb * by - t->v[a + 1][c] - wa_t * ax + wa * ta * ay;
+        double turned_t = nx_t * dy - ny_t * dx + face * (nx * dy_t - ny * dx_t);
+        t->d[j][c] = seeds->rest[j][c] - along - nx_t * dx - ny_t * dy;
+        t->w[j][c] = -(nx_t * vx + ny_t * vy + nx * vx_t + ny * vy_t) - wa_t * turned - wa * turned_t;
     }
 }
 
 static inline void push_t(const Model *m, const Frames *f, const State *s, const Tangent *t, double (*net)[COLUMNS], int j)
 {
-    int a = 3 * first_body[j], b = 3 * second_body[j], face = is_face[j];
-    double nx = f->nx[j], ny = f->ny[j], fx = s->f[j] * nx, fy = s->f[j] * ny, inverse = 1.0 / f->length[j];
-    double ax = f->ax[j] + (face ? f->dx[j] : 0.0), ay = f->ay[j] + (face ? f->dy[j] : 0.0);
+    int a = 3 * first_body[j], b = 3 * second_body[j];
+    double nx = f->nx[j], ny = f->ny[j], force = s->f[j], fx = force * nx, fy = force * ny;
+    double ax = f->ax[j], ay = f->ay[j], bx = f->bx[j], by = f->by[j], face = is_face[j], turning = (1.0 - face) / f->length[j];
+    double arm_x = ax + face * f->dx[j], arm_y = ay + face * f->dy[j];
     (void)m;
+#pragma omp simd
     for (int c = 0; c < COLUMNS; c++) {
         POINTS_T(c)
-        double fx_t = t->f[j][c] * nx + s->f[j] * nx_t, fy_t = t->f[j][c] * ny + s->f[j] * ny_t;
-        double ax_t = -ta * f->ay[j] + (face ? dx_t : 0.0), ay_t = ta * f->ax[j] + (face ? dy_t : 0.0);
-        net[a][c] -= fx_t, net[a + 1][c] -= fy_t;
-        net[a + 2][c] -= ax_t * fy - ay_t * fx + ax * fy_t - ay * fx_t;
-        net[b][c] += fx_t, net[b + 1][c] += fy_t;
-        net[b + 2][c] += -tb * f->by[j] * fy - tb * f->bx[j] * fx + f->bx[j] * fy_t - f->by[j] * fx_t;
+        double fx_t = t->f[j][c] * nx + force * nx_t, fy_t = t->f[j][c] * ny + force * ny_t;
+        double arm_x_t = face * dx_t - ta * ay, arm_y_t = face * dy_t + ta * ax;
+        net[a][c] -= fx_t;
+        net[a + 1][c] -= fy_t;
+        net[a + 2][c] -= arm_x_t * fy - arm_y_t * fx + arm_x * fy_t - arm_y * fx_t;
+        net[b][c] += fx_t;
+        net[b + 1][c] += fy_t;
+        net[b + 2][c] += bx * fy_t - by * fx_t - tb * (by * fy + bx * fx);
     }
 }

@@ -6,8 +6,8 @@ from benchmarks import Row, pair
 from benchmarks.smoothing.peers import AUTOMATIC, BEST, OWN, SLOW, TOLD, Method, ours
 from benchmarks.smoothing.pulses import even, film, half_sine
 
-COUNTS = (200, 10_000, 100_000, 1_000_000)
-LIMITS = {"make_smoothing": (10_000, "a minute at 1e5"), "pynumdiff": (200, "its search calls the method hundreds of times")}
+COUNTS = (200, 2000, 10_000, 100_000, 1_000_000)
+LIMITS = {"make_smoothing": (2000, "a minute at 1e5"), "pynumdiff": (200, "its search calls the method hundreds of times")}
 """By a part of a peer's name, the samples that it can be waited for, and why no more."""
 
 

@@ -57,9 +57,7 @@ class RepeatedRun:
         for (name, index), value in zip(self._places, values.tolist(), strict=True):
             getattr(self._layout, name)[index] = value
         work, record = self._begin(sensitivities)
-        status, joint, t, _ = self._simulator.engine.module.integrate(
-            self._instants, self._step, *work, *record, NO_HISTORY
-        )
+        status, joint, t, _ = self._simulator.engine.module.integrate(self._instants, self._step, *work, *record, NO_HISTORY)
         if status != DONE:
             raise SimulationError(self._simulator.sentence(status, joint, t))
         if self._instants is self.times:

@@ -14,6 +14,7 @@ from crashkit.protocols import Observer
 
 MODES = 12
 """Cosines of a record in which the instruments are compared: what is faster is the noise of single frames."""
+FEWEST_FRAMES = 8
 SIGNIFICANT = 1e-3
 """The probability of as large a difference by chance, below which instruments contradict each other."""
 SEEN = 3.0
@@ -67,7 +68,10 @@ def _watcher(recording: xr.DataTree, name: str, observers: Mapping[str, type[Obs
     if name not in recording.children:
         raise CrashkitError(f"expected a group {name}, found {', '.join(recording.children)}")
     group = recording.children[name].to_dataset(inherit=False)
-    return Watcher(observers[str(group.attrs["observer"])](), group)
+    observer = str(group.attrs.get("observer", "none"))
+    if observer not in observers:
+        raise CrashkitError(f"{name}: expected an installed observer ({', '.join(sorted(observers))}), found {observer}")
+    return Watcher(observers[observer](), group)
 
 
 def _check(
@@ -83,10 +87,10 @@ def _check(
     gain = (route.shown(accelerometer.samples * (1.0 + STEP)) - predicted) / STEP
     frames = _Frames.of(film, predicted)
     fit = _Fit(frames, np.stack(speeds, axis=-1) if speeds else np.empty((*predicted.shape, 0)), route.noise())
-    return _displacements(film, frames, fit, predicted), _verdict(body, frames, fit, gain)
+    return _displacements(film, frames, fit, predicted), _verdict(body, fit, gain)
 
 
-@frozen
+@frozen(eq=False)
 class _Frames:
     """The frames of a film that are compared.
 
@@ -121,8 +125,8 @@ class _Frames:
 
 
 def _cosines(times: np.ndarray) -> np.ndarray:
-    if len(times) < 4:
-        raise CrashkitError(f"expected at least 4 frames that the accelerometers cover, found {len(times)}")
+    if len(times) < FEWEST_FRAMES:
+        raise CrashkitError(f"expected at least {FEWEST_FRAMES} frames that the accelerometers cover, found {len(times)}")
     share = (times - times[0]) / (times[-1] - times[0])
     orders = np.arange(1 + min(MODES, len(times) // 3))
     return np.linalg.qr(np.cos(np.pi * np.outer(share, orders)))[0][:, 1:]
@@ -138,7 +142,7 @@ class _Fit:
     """
 
     def __init__(self, frames: _Frames, speeds: np.ndarray, noise: np.ndarray) -> None:
-        self._frames, self._speeds, self._noise = frames, speeds, noise
+        self._frames, self._speeds = frames, speeds
         cosines = frames.projected(noise)
         self._root = np.linalg.cholesky(np.eye(len(cosines)) + cosines @ cosines.T)
         self._design = self._white(speeds)
@@ -192,7 +196,7 @@ def _displacements(film: Watcher, frames: _Frames, fit: _Fit, predicted: np.ndar
     return xr.Dataset(variables, {dim: film.group[dim] for dim in quantity.dims if dim in film.group})
 
 
-def _verdict(body: str, frames: _Frames, fit: _Fit, gain: np.ndarray) -> xr.Dataset:
+def _verdict(body: str, fit: _Fit, gain: np.ndarray) -> xr.Dataset:
     probability = float(chi2.sf(fit.chi_square, fit.degrees_of_freedom))
     consistent, detectable = probability >= SIGNIFICANT, fit.detectable(gain)
     verdict = "agree" if consistent else "contradict each other"

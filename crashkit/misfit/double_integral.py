@@ -14,7 +14,7 @@ MODES = 12
 ROTATION = ("orientation", "angular_velocity", "angular_acceleration")
 
 
-@frozen
+@frozen(eq=False)
 class Watcher:
     """An instrument, or those of its channels that watch one body."""
 
@@ -65,7 +65,7 @@ class Watcher:
         return Watcher(self.observer, self.group.assign({self.observer.quantity: readings}))
 
 
-@frozen
+@frozen(eq=False)
 class Route:
     """From accelerometers on a body to what `film` would have shown of it.
 

@@ -97,9 +97,7 @@ class Predictor:
             table[:, :, self._columns] = readout.sensitivity(record.tangents)
         return Prediction(samples, table)
 
-    def _observe(
-        self, group: Group, motion: xr.Dataset, values: Floats, sensitivities: bool
-    ) -> Prediction:
+    def _observe(self, group: Group, motion: xr.Dataset, values: Floats, sensitivities: bool) -> Prediction:
         observer = group.observer
         errors = instrument_errors(self.model, dict(zip(self.names, values.tolist(), strict=True)))
         read = observer.predict(motion, group.dataset, errors.get(group.name))

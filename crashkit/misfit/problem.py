@@ -9,6 +9,7 @@ from attrs import evolve
 from crashkit.mechanics import Engine, Simulator
 from crashkit.misfit.channel import Channel, Group, groups_of
 from crashkit.misfit.predictor import Prediction, Predictor
+from crashkit.misfit.rows import rows_of
 from crashkit.model import Model
 from crashkit.protocols import Observer, SpringLaw
 
@@ -43,8 +44,7 @@ class Misfit:
         self.names = self.predictor.names
         self._free = tuple(model.free_parameters().values())
         self._log = np.array([parameter.lower > 0 for parameter in self._free], dtype=bool)
-        self._masks = [np.isfinite(group.recorded) for group in self.groups]
-        self._weights = [np.array([channel.noise.weight for channel in group.channels]) for group in self.groups]
+        self._rows = [rows_of(group) for group in self.groups]
 
     @property
     def channels(self) -> tuple[Channel, ...]:
@@ -92,24 +92,30 @@ class Misfit:
         return dict(zip(self.names, self.parameters(scaled).tolist(), strict=True))
 
     def residual(self, scaled: np.ndarray) -> np.ndarray:
-        """Weighted residuals, one entry for each sample that was recorded."""
-        return self._residual(self.predictor.predict(self.values(scaled)))
+        """Weighted residuals, one entry for each sample that was recorded; a sample that the simulation does not reach has 0."""
+        residual = self._residual(self.predictor.predict_at(self.parameters(scaled)))
+        residual[np.isnan(residual)] = 0.0
+        return residual
 
     def residual_and_jacobian(self, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Weighted residuals and their derivatives to the search variables."""
-        predictions = self.predictor.predict(self.values(scaled), sensitivities=True)
-        rows = zip(predictions, self._masks, self._weights, strict=True)
-        jacobian = np.concatenate([_rows(prediction, mask, weight) for prediction, mask, weight in rows])
+        predictions = self.predictor.predict_at(self.parameters(scaled), sensitivities=True)
+        residual = self._residual(predictions)
+        pairs = zip(self._rows, predictions, strict=True)
+        jacobian = np.concatenate([rows.jacobian(prediction) for rows, prediction in pairs])
         jacobian *= self.scaling(scaled)
-        return self._residual(predictions), jacobian
+        unknown = np.isnan(residual)
+        if unknown.any():
+            residual[unknown], jacobian[unknown] = 0.0, 0.0
+        return residual, jacobian
 
     def channel_sums(self, residual: np.ndarray) -> np.ndarray:
         """The sum of squares of each channel's weighted residuals; a channel at its noise gives its independent samples."""
         sums, start = [], 0
-        for group, mask in zip(self.groups, self._masks, strict=True):
-            squares = np.zeros(group.recorded.shape)
-            squares[mask] = residual[start : (start := start + int(mask.sum()))] ** 2
-            sums.append(squares.sum(axis=0))
+        for group, rows in zip(self.groups, self._rows, strict=True):
+            squares = np.zeros(group.recorded.size)
+            squares[rows.kept] = residual[start : (start := start + len(rows.recorded))] ** 2
+            sums.append(squares.reshape(group.recorded.shape).sum(axis=0))
         return np.concatenate(sums)
 
     def deviance(self, residual: np.ndarray) -> float:
@@ -161,27 +167,12 @@ class Misfit:
         return copy
 
     def _residual(self, predictions: list[Prediction]) -> np.ndarray:
-        parts = [
-            _weighted(group.recorded - prediction.samples, weight)[mask]
-            for group, prediction, mask, weight in zip(self.groups, predictions, self._masks, self._weights, strict=True)
-        ]
-        return np.concatenate(parts)
+        return np.concatenate([rows.residual(prediction) for rows, prediction in zip(self._rows, predictions, strict=True)])
 
 
 def _faster(recording: xr.DataTree, factor: float) -> xr.DataTree:
     state = recording.children["initial"].to_dataset(inherit=False)
     return recording.assign({"initial": xr.DataTree(state.assign(velocity=factor * state["velocity"]))})
-
-
-def _weighted(difference: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """A sample that the simulation does not reach says nothing."""
-    return np.nan_to_num(difference * weight, nan=0.0, posinf=np.inf, neginf=-np.inf)
-
-
-def _rows(prediction: Prediction, mask: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    sensitivity = prediction.sensitivity
-    assert sensitivity is not None  # asked for by the only caller
-    return -np.nan_to_num(sensitivity * weight[None, :, None])[mask]
 
 
 def _deviance(channel: Channel, total: float) -> float:

@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.spatial.transform import Rotation
 
 from crashkit.protocols import Observer, ParameterSpec
 
 STEP = 1e-3  # of a number whose size is not known
+SPACE = ("time", "body", "axis")
 
 
 class ObserverContract:
@@ -15,15 +17,23 @@ class ObserverContract:
     Subclasses give the fixtures
         observer: an instance.
         instrument: a recording group it understands, complete, from the motion's start to a little before its end.
-        motion: of the bodies that the instrument watches, smooth, without sensitivities.
+        motion: of the bodies that the instrument watches, smooth, without sensitivities; in a line, a plane or space.
+
+    An instrument that works in all of these is tested in each by a subclass, or by fixtures with `params`. Where the
+    instrument states its noise (`<quantity>_std`), the standard deviations of what it reconstructs are put to the test.
 
     Attributes:
-        round_trip: how far a reconstruction from a prediction may be from the motion, of the motion's range.
+        round_trip: how far a reconstruction from a prediction may be from the motion, of the motion's range; an orientation,
+            in rad.
         derivative: how far a derivative may be from a difference, of the largest derivative of its kind.
+        draws: how often noise is drawn to test the stated standard deviations.
+        coverage: by which factor the errors may be larger or smaller than these, in their root mean square.
     """
 
     round_trip = 1e-3
     derivative = 1e-2
+    draws = 20
+    coverage = 1.2
 
     def test_it_understands_the_instrument(self, observer: Observer, instrument: xr.Dataset) -> None:
         assert instrument.attrs["observer"] == observer.name
@@ -67,12 +77,13 @@ class ObserverContract:
         self, observer: Observer, instrument: xr.Dataset, motion: xr.Dataset
     ) -> None:
         reconstructed = observer.reconstruct(_recorded(observer, instrument, motion))
-        shared = [name for name in reconstructed.data_vars if name in motion and "time" in reconstructed[name].dims]
+        shared = _shared(reconstructed, motion)
         assert shared
         for name in shared:
-            truth = motion[name].sel(body=reconstructed["body"]).interp(time=reconstructed["time"])
-            span = float(truth.max() - truth.min())
-            assert np.abs(reconstructed[name] - truth).max() <= self.round_trip * span
+            error = _error(name, reconstructed, motion)
+            assert np.isfinite(error).all()
+            span = 1.0 if name == "orientation" else float(motion[name].max() - motion[name].min())
+            assert np.abs(error).max() <= self.round_trip * span
 
     def test_a_missing_sample_stays_missing(self, observer: Observer, instrument: xr.Dataset, motion: xr.Dataset) -> None:
         allowed = {variable.name: variable.allow_nan for variable in observer.schema.variables}
@@ -84,7 +95,23 @@ class ObserverContract:
         recording[observer.quantity] = recording[observer.quantity].where(xr.DataArray(~hidden, dims="time"))
         for variable in observer.reconstruct(recording).data_vars.values():
             if "time" in variable.dims:
-                np.testing.assert_array_equal(np.isnan(variable.isel(body=0, axis=0)), hidden)
+                missing = np.isnan(variable.transpose("time", ...).values).reshape(len(hidden), -1)
+                np.testing.assert_array_equal(missing, np.broadcast_to(hidden[:, None], missing.shape))
+
+    def test_stated_standard_deviations_are_those_of_the_errors(
+        self, observer: Observer, instrument: xr.Dataset, motion: xr.Dataset
+    ) -> None:
+        if f"{observer.quantity}_std" not in instrument or instrument.attrs.get("channel_frequency_class", 0):
+            pytest.skip("white noise of known size is needed")
+        exact = _recorded(observer, instrument, motion)
+        random = np.random.default_rng(1)
+        draws = [observer.reconstruct(_noisy(observer, exact, random)) for _ in range(self.draws)]
+        stated = [name for name in _shared(draws[0], motion) if f"{name}_std" in draws[0]]
+        if not stated:
+            pytest.skip(f"{observer.name} states no standard deviations")
+        for name in stated:
+            square = np.mean([_relative_square(name, draw, motion) for draw in draws])
+            assert 1.0 / self.coverage <= np.sqrt(square) <= self.coverage
 
     def test_errors_at_their_null_change_nothing(self, observer: Observer, instrument: xr.Dataset, motion: xr.Dataset) -> None:
         null = {spec.name: _null(spec) for spec in observer.errors}
@@ -99,9 +126,21 @@ class ObserverContract:
                 difference = _error_difference(observer, instrument, motion, sensor, spec)
                 expected = sensitivities.isel(error=[s.name for s in observer.errors].index(spec.name)).values.copy()
                 if sensor:
-                    channels = instrument[observer.channel].values
-                    expected[:, channels != sensor] = 0.0
+                    others = instrument[observer.channel].values != sensor
+                    expected[_along(sensitivities.dims.index(observer.channel), others)] = 0.0
                 assert np.abs(difference - expected)[1:-1].max() <= self.derivative * np.abs(expected).max() + 1e-9
+
+    def test_errors_of_all_axes_together_are_those_of_the_channel(
+        self, observer: Observer, instrument: xr.Dataset, motion: xr.Dataset
+    ) -> None:
+        axis = str(instrument[observer.quantity].dims[-1])
+        if axis not in instrument.coords:
+            pytest.skip(f"the {axis} has no labels")
+        own = {spec.name: _wrong(spec) for spec in observer.errors if spec.name not in observer.instrument_errors}
+        channel = str(instrument[observer.channel].values[0])
+        by_axis = {f"{channel}/{label}": own for label in instrument[axis].values}
+        together = observer.predict(motion, instrument, {channel: own})
+        assert_same(observer, observer.predict(motion, instrument, by_axis), together)
 
     @pytest.mark.parametrize("perfect", [True, False])
     def test_sensitivities_agree_with_differences(
@@ -157,6 +196,41 @@ def _error_difference(
     return (ahead - behind) / (2 * step)
 
 
+def _along(position: int, chosen: np.ndarray) -> tuple[slice | np.ndarray, ...]:
+    return (*(slice(None),) * position, chosen)
+
+
+def _noisy(observer: Observer, exact: xr.Dataset, random: np.random.Generator) -> xr.Dataset:
+    """The recording with noise of the size that it states."""
+    recorded = exact[observer.quantity]
+    noise = exact[f"{observer.quantity}_std"] * xr.DataArray(random.standard_normal(recorded.shape), dims=recorded.dims)
+    return exact.assign({observer.quantity: (recorded + noise).transpose(*recorded.dims).assign_attrs(recorded.attrs)})
+
+
+def _shared(reconstructed: xr.Dataset, motion: xr.Dataset) -> list[str]:
+    """What a reconstruction and a motion both hold, time by time."""
+    return [str(name) for name in reconstructed.data_vars if name in motion and "time" in reconstructed[name].dims]
+
+
+def _error(name: str, reconstructed: xr.Dataset, motion: xr.Dataset) -> np.ndarray:
+    """Reconstructed less true, at the reconstruction's own times, (time, body, axis); of an orientation, the rotation vector."""
+    found = reconstructed[name].transpose("time", "body", ...)
+    true = motion[name].sel(body=reconstructed["body"]).interp(time=reconstructed["time"]).transpose(*found.dims)
+    if name != "orientation":
+        return np.asarray((found - true).values)
+    flat = [Rotation.from_quat(one.values.reshape(-1, 4), scalar_first=True) for one in (found, true)]
+    return np.asarray((flat[0] * flat[1].inv()).as_rotvec().reshape(*found.shape[:2], 3))
+
+
+def _relative_square(name: str, reconstructed: xr.Dataset, motion: xr.Dataset) -> float:
+    """The mean square of the error over its stated standard deviation; one number for all axes means their root of squares."""
+    error = _error(name, reconstructed, motion)
+    std = reconstructed[f"{name}_std"].transpose("time", "body", ...).values
+    if std.ndim < error.ndim:
+        error = np.linalg.norm(error, axis=-1)
+    return float(np.mean((error / std) ** 2))
+
+
 def _directions(motion: xr.Dataset) -> dict[str, xr.Variable]:
     """Two smooth directions of change, x = 1 + t^2 and x = t^3, as sensitivities of all that a motion may hold."""
     time = motion["time"].values
@@ -166,13 +240,13 @@ def _directions(motion: xr.Dataset) -> dict[str, xr.Variable]:
         "velocity": np.stack([2 * t, 3 * t**2], axis=-1) / time[-1],
     }
     other = np.stack([np.ones_like(t), 6 * t], axis=-1)
-    dims = ("time", "body", "axis")
-    shape = [motion.sizes[dim] for dim in dims] + [2]
+    shape = [motion.sizes[dim] for dim in SPACE] + [2]
+    names = [str(name) for name in motion.data_vars if motion[name].dims == SPACE]
+    names += ["rotation"] if "orientation" in motion else []
     directions = {"parameter": xr.Variable("parameter", ["square", "cube"])}
-    for name in map(str, motion.data_vars):
-        if motion[name].dims == dims:
-            columns = powers.get(name, other)[:, None, None, :]
-            directions[f"{name}_sensitivity"] = xr.Variable((*dims, "parameter"), np.broadcast_to(columns, shape).copy())
+    for name in names:
+        columns = powers.get(name, other)[:, None, None, :]
+        directions[f"{name}_sensitivity"] = xr.Variable((*SPACE, "parameter"), np.broadcast_to(columns, shape).copy())
     return directions
 
 
@@ -181,4 +255,10 @@ def _moved(motion: xr.Dataset, directions: dict[str, xr.Variable], parameter: in
     for name in motion.data_vars:
         if f"{name}_sensitivity" in directions:
             moved[name] = motion[name] + step * directions[f"{name}_sensitivity"].isel(parameter=parameter)
+    if "orientation" in motion:
+        turn = step * directions["rotation_sensitivity"].isel(parameter=parameter).values
+        before = Rotation.from_quat(motion["orientation"].values.reshape(-1, 4), scalar_first=True)
+        after = Rotation.from_rotvec(turn.reshape(-1, 3)) * before
+        shape = motion["orientation"].shape
+        moved["orientation"] = motion["orientation"].copy(data=after.as_quat(scalar_first=True).reshape(shape))
     return motion.assign(moved)

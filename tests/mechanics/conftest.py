@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 
 from crashkit.mechanics import Engine, LawFunction, Simulator, compile_engine
-from crashkit.mechanics.layout import memory_rate
 from crashkit.model import Body, GivenForce, GivenMotion, Joint, Model, Parameter
 from crashkit_spring_laws import SPRING_LAWS
 
 SIZES = {"piecewise_affine": (3, 3), "measured_curve": (4, 4), "smooth_table": (4,), "rate_table": (4,)}
-SEVERAL_AXES = ("crush_plateau", "viscous", "linear_stop", "tension_spring", "rate_linear")
+SEVERAL_AXES = ("crush_plateau", "viscous", "linear_stop", "tension_spring", "rate_linear", "brittle", "maxwell")
 PLATEAU = {
     "elastic_stiffness": 1.2,
     "crush_force": 0.24,
@@ -48,7 +47,7 @@ def engine(laws) -> Engine:
 @pytest.fixture(scope="session")
 def engines(laws, engine) -> Mapping[int, Engine]:
     """One for each number of axes: to compile it is what takes the time."""
-    functions = [LawFunction(laws[name]) for name in SEVERAL_AXES]
+    functions = [function for name in SEVERAL_AXES for function in _functions(laws[name], ())]
     return {1: engine, 2: compile_engine(functions, 2), 3: compile_engine(functions, 3)}
 
 

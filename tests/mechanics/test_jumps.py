@@ -220,7 +220,7 @@ PLANE = {
 
 
 @pytest.fixture(scope="module")
-def plane(laws):
+def plane(simulator):
     strut = {name: Parameter(PLANE[f"joint.strut.{name}"]) for name in ("stiffness", "fracture_deformation", "loss")}
     wall = Body("wall", (0.0, 0.0), (0.0, 0.0), fixed=True)
     mass = Body(
@@ -232,10 +232,8 @@ def plane(laws):
         orientation=(0.1,),
         angular_velocity=(0.2,),
     )
-    joint = Joint(
-        "strut", ("wall", "mass"), "brittle", strut, points=((0.0, 0.2), (0.1, 0.3)), free_length=Parameter(0.95)
-    )
-    return Simulator(Model("plane", ("x", "y"), (wall, mass), (joint,), gravity=(0.0, -0.3)), laws)
+    joint = Joint("strut", ("wall", "mass"), "brittle", strut, points=((0.0, 0.2), (0.1, 0.3)), free_length=Parameter(0.95))
+    return simulator(Model("plane", ("x", "y"), (wall, mass), (joint,), gravity=(0.0, -0.3)))
 
 
 def test_a_break_in_the_plane(plane):

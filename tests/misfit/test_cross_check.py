@@ -146,6 +146,11 @@ def test_a_group_that_is_not_there_is_named() -> None:
         cross_check(run(), OBSERVERS, film="camera")
 
 
+def test_a_group_that_nobody_understands_is_named() -> None:
+    with pytest.raises(CrashkitError, match=r"accelerometer: expected an installed observer \(film\), found accelerometer"):
+        cross_check(run(), {"film": Film})
+
+
 def test_a_velocity_that_is_not_recorded_cannot_be_known() -> None:
     recording = run()
     del recording["initial"]
@@ -156,8 +161,8 @@ def test_a_velocity_that_is_not_recorded_cannot_be_known() -> None:
 
 def test_too_few_frames_are_refused() -> None:
     recording = run()
-    recording["film"]["position"][3:] = np.nan
-    with pytest.raises(CrashkitError, match="expected at least 4 frames that the accelerometers cover, found 3"):
+    recording["film"]["position"][7:] = np.nan
+    with pytest.raises(CrashkitError, match="expected at least 8 frames that the accelerometers cover, found 7"):
         cross_check(recording, OBSERVERS)
 
 

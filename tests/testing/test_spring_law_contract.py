@@ -7,6 +7,7 @@ import pytest
 
 from crashkit.protocols import ParameterSpec, SpringLaw
 from crashkit.testing import SpringLawContract
+from crashkit.testing.spring_law_probe import Probe
 
 STIFFNESS = ParameterSpec("stiffness", "N m-1", "slope", lower=1.0)
 PARAMETERS = {"stiffness": 1e5}
@@ -50,16 +51,17 @@ def factor_of(function):
 def run(test, law, parameters=PARAMETERS):
     """Run one test of the contract with the fixtures that it asks for."""
     contract = SpringLawContract()
-    values = [parameters.get(spec.name, spec.default) for spec in law.parameters]
-    given = {"law": law, "parameters": parameters, "force": lambda d, ddot, d_max: float(law.force(d, ddot, d_max, *values))}
+    probe = Probe(law, parameters)
+    make = {"derived": lambda: type(contract).derived.__wrapped__(contract, probe)}
+    given = {"law": lambda: law, "parameters": lambda: parameters, "probe": lambda: probe, **make}
     method = getattr(contract, test)
     names = method.__code__.co_varnames[1 : method.__code__.co_argcount]
-    method(**{name: given[name] for name in names})
+    method(**{name: given[name]() for name in names})
 
 
 FAULTS = [
     (
-        "test_the_function_takes_the_state_and_the_declared_parameters",
+        "test_the_functions_take_the_state_and_the_declared_parameters",
         spoilt(parameters=(STIFFNESS, ParameterSpec("damping", "N s m-1", "never used"))),
         "expected d, ddot, d_max, stiffness, damping, found d, ddot, d_max, stiffness",
     ),
@@ -87,15 +89,15 @@ FAULTS = [
     (
         "test_the_value_is_finite",
         law_of(lambda d, ddot, d_max: math.inf if d > 0.5 else 0.0),
-        "linear at d = .* expected a finite value, found inf",
+        "force of linear at d = .* expected a finite value, found inf",
     ),
     (
-        "test_the_value_is_continuous",
+        "test_the_value_is_continuous_or_declared_to_jump",
         law_of(lambda d, ddot, d_max: 1e5 * d + (50.0 if d > 0.3 else 0.0)),
-        "linear jumps by 50 at d = 0.3 m",
+        r"force of linear jumps by 50 at d = 0.3 m, .*: expected a continuous value \(or jumps = True\)",
     ),
     (
-        "test_the_value_is_continuous",
+        "test_the_value_is_continuous_or_declared_to_jump",
         law_of(lambda d, ddot, d_max: 1e5 * d if d == d_max else 5e4 * d),
         "linear jumps by",
     ),
@@ -124,6 +126,11 @@ FAULTS = [
         factor_of(lambda ddot, a: 1.0 + a * ddot),
         "expected 0 or more, found -",
     ),
+    (
+        "test_a_jump_does_not_hold_the_joint",
+        law_of(lambda d, ddot, d_max: 1e5 * max(0.0, d) * (1.5 if ddot > 0.0 else 0.5), jumps=True),
+        r"linear rises by a jump of .* with the rate at d = .*: expected a smooth rise, such as tanh\(ddot / slip_rate\)",
+    ),
 ]
 
 
@@ -149,6 +156,218 @@ def test_an_active_law_may_say_so():
 
 
 def test_a_parameter_without_a_value_is_named():
-    contract = SpringLawContract()
     with pytest.raises(pytest.fail.Exception, match="expected a value for stiffness, which has no default"):
-        type(contract).force.__wrapped__(contract, Linear, {})
+        run("test_the_value_is_finite", Linear, {})
+
+
+def test_an_instance_in_place_of_the_class_is_found():
+    with pytest.raises(AssertionError, match="the fixture law: expected the class, found the instance"):
+        run("test_the_functions_take_the_state_and_the_declared_parameters", Linear())
+
+
+# ---- memory ----
+
+
+class Relaxing(SpringLaw):
+    """A law with a memory, without fault."""
+
+    name = "relaxing"
+    memory = "q"
+    parameters: ClassVar = (STIFFNESS,)
+
+    @staticmethod
+    def force(d, ddot, d_max, q, stiffness):
+        return stiffness * (d - q)
+
+    @staticmethod
+    def memory_rate(d, ddot, d_max, q, stiffness):
+        return (d - q) / 0.02
+
+
+class TestRelaxing(SpringLawContract):
+    @pytest.fixture
+    def law(self):
+        return Relaxing
+
+    @pytest.fixture
+    def parameters(self):
+        return PARAMETERS
+
+
+class Forgetful(SpringLaw):
+    """Names a memory, and nothing else of it."""
+
+    name = "forgetful"
+    memory = "q"
+    parameters: ClassVar = (STIFFNESS,)
+
+    @staticmethod
+    def force(d, ddot, d_max, q, stiffness):
+        return stiffness * (d - q)
+
+
+def remembering(rate, **attributes):
+    function = staticmethod(lambda d, ddot, d_max, q, stiffness: rate(d, ddot, d_max, q))
+    return type("Spoilt", (Relaxing,), {"memory_rate": function, **attributes})
+
+
+MEMORY_FAULTS = [
+    (
+        "test_the_functions_take_the_state_and_the_declared_parameters",
+        Forgetful,
+        "forgetful has a memory, q: expected memory_rate, found none",
+    ),
+    (
+        "test_the_functions_take_the_state_and_the_declared_parameters",
+        type("Spoilt", (Relaxing,), {"memory_rate": staticmethod(lambda d, q: 0.0)}),
+        "the arguments of memory_rate: expected d, ddot, d_max, q, stiffness, found d, q",
+    ),
+    (
+        "test_names_and_units_are_those_of_the_data_contract",
+        type("Spoilt", (Relaxing,), {"memory": "dashpot deformation"}),
+        "the memory of relaxing: expected an identifier, found 'dashpot deformation'",
+    ),
+    (
+        "test_a_memory_rests_where_nothing_happens",
+        remembering(lambda d, ddot, d_max, q: 0.1 + d - q),
+        r"the memory of relaxing, undeformed, at rest and at 0: expected a rate of 0 \(or preload = True\), found 0.1",
+    ),
+    (
+        "test_the_value_is_continuous_or_declared_to_jump",
+        remembering(lambda d, ddot, d_max, q: (1.0 if d > 0.3 else 0.0) - q),
+        "memory_rate of relaxing jumps by 1 at d = 0.3 m, .*, q = .*: expected a continuous value",
+    ),
+    (
+        "test_a_passive_law_gives_out_no_more_energy_than_it_took_in",
+        remembering(lambda d, ddot, d_max, q: (q - d) / 0.2),
+        "relaxing gave out .* J more than it took in",
+    ),
+]
+
+
+@pytest.mark.parametrize(("test", "law", "message"), MEMORY_FAULTS, ids=[row[2][:30] for row in MEMORY_FAULTS])
+def test_a_fault_of_a_memory_is_found(test, law, message):
+    with pytest.raises(AssertionError, match=message):
+        run(test, law)
+
+
+# ---- what the engine makes of a law ----
+
+
+class Looping(Linear):
+    """Outside what can be derived."""
+
+    @staticmethod
+    def force(d, ddot, d_max, stiffness):
+        while d > 1.0:
+            d = 1.0
+        return stiffness * max(0.0, d)
+
+
+class Bent(Linear):
+    """Branches of its own, without fault: k d, then twice as steep from BEND on."""
+
+    BEND = 0.3
+
+    @staticmethod
+    def force(d, ddot, d_max, stiffness):
+        return stiffness * (d + max(0.0, d - Bent.BEND))
+
+    @staticmethod
+    def branch(d, ddot, d_max, stiffness):
+        return 1 if d > Bent.BEND else 0
+
+    @staticmethod
+    def branch_force(branch, d, ddot, d_max, stiffness):
+        beyond = d - Bent.BEND
+        return stiffness * (d + branch * beyond), beyond if branch == 1 else -beyond
+
+    @staticmethod
+    def branch_slopes(branch, d, ddot, d_max, stiffness, slopes):
+        slopes[:] = 0.0
+        slopes[0] = stiffness * (1.0 + branch)
+        slopes[3] = d + branch * (d - Bent.BEND)
+
+
+class TestBent(SpringLawContract):
+    @pytest.fixture
+    def law(self):
+        return Bent
+
+    @pytest.fixture
+    def parameters(self):
+        return PARAMETERS
+
+
+class WrongForce(Bent):
+    @staticmethod
+    def branch_force(branch, d, ddot, d_max, stiffness):
+        return stiffness * d, d - 0.3 if branch == 1 else 0.3 - d
+
+
+class WrongSlopes(Bent):
+    @staticmethod
+    def branch_slopes(branch, d, ddot, d_max, stiffness, slopes):
+        slopes[:] = 0.0
+        slopes[0] = stiffness
+
+
+class WrongSide(Bent):
+    @staticmethod
+    def branch_force(branch, d, ddot, d_max, stiffness):
+        return stiffness * (d + branch * (d - 0.3)), d - 0.3
+
+
+class WrongEnd(Bent):
+    @staticmethod
+    def branch_force(branch, d, ddot, d_max, stiffness):
+        return stiffness * (d + branch * (d - 0.3)), d - 0.2 if branch == 1 else 0.4 - d
+
+
+class NotCompiled(Bent):
+    @staticmethod
+    def branch_slopes(branch, d, ddot, d_max, stiffness, slopes):
+        slopes[:] = 0.0
+        slopes[0] = stiffness if branch == 0 else "steep"
+        slopes[3] = d
+
+
+OWN_FAULTS = [
+    ("test_the_engine_reads_the_functions_right", WrongForce, r"force of linear at d = .*: expected .*, found"),
+    (
+        "test_the_engine_derives_the_functions_right",
+        WrongSlopes,
+        "the derivative of force of linear to d at .*: expected 200000",
+    ),
+    ("test_the_engine_derives_the_functions_right", WrongSlopes, "the derivative of force of linear to .* found"),
+    ("test_the_engine_reads_the_functions_right", WrongSide, "the distance to the end of the branch of linear at .*, found -"),
+    (
+        "test_a_branch_says_where_it_ends",
+        WrongEnd,
+        r"branch \d of linear ends at d = 0.3 m, .*: expected its distance to vanish",
+    ),
+]
+
+
+@pytest.mark.parametrize(("test", "law", "message"), OWN_FAULTS, ids=lambda value: getattr(value, "__name__", None))
+def test_a_fault_of_branches_of_its_own_is_found(test, law, message):
+    with pytest.raises(AssertionError, match=message):
+        run(test, law)
+
+
+def test_what_numba_cannot_compile_is_found():
+    with pytest.raises(pytest.fail.Exception, match="spring law linear: numba cannot compile its branches: "):
+        run("test_branches_of_its_own_can_be_compiled", NotCompiled)
+
+
+def test_a_law_that_cannot_be_derived_is_told_its_three_ways_out():
+    message = (
+        r"found `while d > 1.0:`; use assignments, .*\. Else give branch, .*, or declare opaque = True: then the law runs as"
+    )
+    with pytest.raises(pytest.fail.Exception, match=message):
+        run("test_the_engine_reads_the_functions_right", Looping)
+
+
+def test_an_opaque_law_is_not_derived():
+    with pytest.raises(pytest.skip.Exception, match="linear is declared opaque: it runs slowly and gives no sensitivities"):
+        run("test_the_engine_reads_the_functions_right", type("Meant", (Looping,), {"opaque": True}))

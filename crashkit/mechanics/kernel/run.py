@@ -17,7 +17,7 @@ from crashkit.mechanics.kernel.arrays import (
 from crashkit.mechanics.kernel.forces import accelerate, kinematics
 from crashkit.mechanics.kernel.line import AXES, CURVED, DOF, locate, settle
 from crashkit.mechanics.kernel.stand_ins import compiled
-from crashkit.mechanics.kernel.steps import RESOLUTION, choose_branches, choose_branches_of, find_step
+from crashkit.mechanics.kernel.steps import RESOLUTION, choose_branches, choose_branches_of, find_step, try_step
 from crashkit.mechanics.kernel.tangents import (
     accelerate_tangent,
     crossing_tangent,
@@ -35,7 +35,11 @@ FULL = 3
 MEETING = 4
 
 MAX_CROSSINGS = 1000
-"""Within the time of one longest step."""
+"""Within the time of one longest step, where forces jump."""
+PATIENCE = 100
+"""Crossings within that time, and one more for each joint, after which corners are taken for rounding if no force jumps."""
+BLIND = 1e-3
+"""Of a step that does not look for corners, relative to the longest step."""
 
 
 @compiled
@@ -99,6 +103,17 @@ def write(bodies, joints, state, tangent, joint_tangent, net_tangent, values, ta
     if AXES == 3:
         for i in range(4 * bodies.size):
             values[k, end + i] = bodies[i // 4].frame[9 + i % 4]
+
+
+@compiled
+def is_smooth(bodies, state):
+    """Whether the accelerations at START are those that the step had at its END: other branches, but no other forces."""
+    n = DOF * bodies.size
+    first, change, largest = state.shape[1] // 2 + n, 0.0, 0.0
+    for i in range(first, first + n):
+        change = max(change, abs(state[START, i] - state[END, i]))
+        largest = max(largest, abs(state[END, i]))
+    return change <= 1e-6 * largest
 
 
 @compiled
@@ -231,9 +246,13 @@ def integrate(
             return DONE, NONE, t, s
         remaining = times[k] - t
         longest = remaining / max(1.0, math.ceil(remaining / step - 1e-6))
-        h, crossing, ahead, guard, culprit = find_step(
-            bodies, joints, functions, parameters, given, state, t, piece, longest, guard, step
-        )
+        if crossings > PATIENCE + joints.size and is_smooth(bodies, state):
+            h, crossing, ahead, crossings = min(longest, BLIND * step), True, 0.0, crossings - 1
+            guard, culprit, _ = try_step(bodies, joints, functions, parameters, given, state, t, piece, h)
+        else:
+            h, crossing, ahead, guard, culprit = find_step(
+                bodies, joints, functions, parameters, given, state, t, piece, longest, guard, step
+            )
         met = meeting(joints)
         if met != NONE:
             return MEETING, met, t, s

@@ -4,6 +4,7 @@ import numpy as np
 from numba import njit
 from scipy.interpolate import CubicSpline
 
+from crashkit.errors import CrashkitError
 from crashkit_accelerometers.rotations import cross_matrix
 from crashkit_accelerometers.sensor_array import SensorArray
 from crashkit_accelerometers.smoother import smoothed
@@ -43,19 +44,41 @@ class AngularMotion:
         middle = CubicSpline(times, torque)(times[:-1] + 0.5 * self._steps)
         self._torques = np.stack([torque[:-1], middle, torque[1:]], axis=1)
         self.omega = _path(start, self._torques, self._steps, self._moment, self._inverse)
+        self._doubt = 1.0
         if len(array.rotations):
             self._smooth()
         self.alpha = (torque - np.cross(self.omega, self.omega @ self._moment)) @ self._inverse
 
+    @property
+    def disagreement(self) -> float:
+        """The size of what redundant readings say against a rigid body, over their noise; 0 where none is redundant."""
+        residual = self._residual()
+        return float(np.sqrt(np.mean(residual**2))) if residual.size else 0.0
+
     def _smooth(self) -> None:
-        """Gauss-Newton steps from the integrated path to the most likely one."""
+        """From the integrated path to the most likely one; where no path suits the redundant readings, they count less."""
+        integrated = self.omega
+        for doubt in (1.0, self.disagreement):
+            self.omega, self._doubt = integrated, doubt
+            if self._converges():
+                return
+        raise CrashkitError(
+            f"accelerometer: {self.array.body}: expected readings of a rigid body, found none that any rotation comes near to"
+        )
+
+    def _converges(self) -> bool:
+        """Whether Gauss-Newton steps come to an end."""
         for _ in range(MOST_STEPS):
             leaps = _leaps(self.omega, self._torques, self._steps, self._moment, self._inverse)
             seen, residual = self.observed()
-            change, _ = smoothed(self.transition(), self.noise(), leaps - self.omega[1:], seen, residual)
+            try:
+                change, _ = smoothed(self.transition(), self.noise(), leaps - self.omega[1:], seen, residual)
+            except np.linalg.LinAlgError:
+                return False
             self.omega = self.omega + change
             if np.abs(change).max() < CONVERGED:
-                return
+                return True
+        return False
 
     def rate(self) -> np.ndarray:
         """d alpha / d omega, (time, 3, 3)."""
@@ -80,12 +103,15 @@ class AngularMotion:
         """
         if not len(self._redundant):
             return np.zeros((len(self.omega), 1, 3)), np.zeros((len(self.omega), 1))
-        axes, std = list(self.array.recorded), self.array.std[:, None]
-        expected = centripetal(self.omega, self.array.arms)[..., axes] / std
-        change = centripetal_rate(self.omega, self.array.arms)[:, :, axes] / std[..., None]
-        residual = self._shown - expected.reshape(len(expected), -1) @ self._redundant.T
+        std = self._doubt * np.sqrt(self._correlation)
+        change = centripetal_rate(self.omega, self.array.arms)[:, :, list(self.array.recorded)] / self.array.std[:, None, None]
         seen = self._redundant @ change.reshape(len(change), -1, 3)
-        return np.ascontiguousarray(seen) / np.sqrt(self._correlation), residual / np.sqrt(self._correlation)
+        return np.ascontiguousarray(seen) / std, self._residual() / std
+
+    def _residual(self) -> np.ndarray:
+        """The redundant readings less the centripetal terms, over their noise, (time, reading)."""
+        expected = centripetal(self.omega, self.array.arms)[..., list(self.array.recorded)] / self.array.std[:, None]
+        return self._shown - expected.reshape(len(expected), -1) @ self._redundant.T
 
 
 def centripetal(omega: np.ndarray, arms: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ OMEGA, TURN, VELOCITY, POSITION = (slice(3 * index, 3 * index + 3) for index in 
 """Of the state: errors of omega (body axes), of the orientation (a small rotation vector), and of the barycentre's motion."""
 
 
-@frozen
+@frozen(eq=False)
 class Path:
     """A reconstructed motion in the laboratory frame; (time, 3), but for `rotation` (time, 3, 3).
 

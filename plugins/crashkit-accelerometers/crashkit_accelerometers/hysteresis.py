@@ -7,7 +7,7 @@ from attrs import frozen
 from numba import njit
 
 
-@frozen
+@frozen(eq=False)
 class Branch:
     """Where a channel is between its falling branch (-1) and its rising branch (1), and what that depends on.
 

@@ -21,7 +21,7 @@ def recorded(
     """What an instrument would record of a motion: its prediction, noise through its filter, and the steps of its digitiser.
 
     Arguments:
-        observer: with the dims (time, sensor, axis).
+        observer: with the dims (time, channel, axis).
         motion: to be recorded.
         instrument: a group that says where the sensors are and when they read; its `<quantity>_std`, if any, is that of the
             noise as recorded, after the filter.
@@ -42,7 +42,7 @@ def recorded(
     result = instrument.copy()
     if resolution:
         values = resolution * np.round(values / resolution)
-        result[stated] = ("sensor", np.hypot(std, resolution / np.sqrt(12.0)), {"units": predicted.attrs["units"]})
+        result[stated] = (observer.channel, np.hypot(std, resolution / np.sqrt(12.0)), {"units": predicted.attrs["units"]})
     result[observer.quantity] = (predicted.dims, values, dict(predicted.attrs))
     return result
 

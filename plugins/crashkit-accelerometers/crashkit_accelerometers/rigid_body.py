@@ -49,7 +49,8 @@ def rigid_body_motion(instrument: xr.Dataset, initial: xr.Dataset | None = None,
         angular_velocity, angular_acceleration and orientation. Each has its standard deviation `<name>_std` (time, body,
         axis), that of the orientation as a small rotation vector in the laboratory frame, rad. NaN where a sample is missing.
         `disagreement` (body): the size of what the redundant readings say against a rigid body, over the noise that was
-        stated; about 1 where there is nothing but noise. The attribute `unknown` has a sentence for each body left out.
+        stated; about 1 where there is nothing but noise, and what it is above 1 widens the standard deviations. The attribute
+        `unknown` says which bodies are left out, and why.
 
     Raises CrashkitError where no body's motion can be known, saying what is missing.
     """
@@ -61,7 +62,7 @@ def rigid_body_motion(instrument: xr.Dataset, initial: xr.Dataset | None = None,
     if not known:
         raise CrashkitError(f"accelerometer: the motion cannot be known: {'; '.join(sentences)}")
     motion = xr.concat([_body_motion(array, instrument, initial) for array in known], dim="body")
-    return motion.assign_attrs(unknown=sentences)
+    return motion.assign_attrs(unknown="; ".join(sentences))
 
 
 def _unknown(array: SensorArray, axes_stay: bool) -> str:
@@ -72,7 +73,7 @@ def _unknown(array: SensorArray, axes_stay: bool) -> str:
     return f"expected sensors that see all of its motion, found none that sees its {'; '.join(unseen)}" if unseen else ""
 
 
-@frozen
+@frozen(eq=False)
 class _Start:
     """The state at the first sample; position and velocity None where they are not known."""
 
@@ -97,9 +98,9 @@ def _body_motion(array: SensorArray, instrument: xr.Dataset, initial: xr.Dataset
     if len(array.rotations):
         quantities |= {"angular_velocity": path.omega, "angular_acceleration": path.alpha, "orientation": orientation}
     stated = "acceleration_std" in instrument
-    found = np.sqrt(correlation * np.mean(angular.observed()[1] ** 2)) if len(array.redundant) else np.nan
+    found = angular.disagreement if len(array.redundant) else np.nan
     deviations = standard_deviations(angular, path, np.diff(times), correlation)
-    scale = 1.0 if stated else found
+    scale = np.fmax(1.0, found) if stated else found
     variables = {}
     for name, values in quantities.items():
         last = "quaternion" if name == "orientation" else "axis"

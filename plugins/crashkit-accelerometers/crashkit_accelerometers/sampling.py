@@ -5,7 +5,7 @@ from attrs import frozen
 from numba import njit
 
 
-@frozen
+@frozen(eq=False)
 class Felt:
     """What sensors without errors would feel, at the times of the motion.
 

@@ -11,7 +11,7 @@ BLIND = 1e-6
 """A combination of motions is unseen if it moves the sensors by less than this share of the one that moves them most."""
 
 
-@frozen
+@frozen(eq=False)
 class SensorArray:
     """The sensors of one body.
 

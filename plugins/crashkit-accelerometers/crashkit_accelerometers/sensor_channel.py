@@ -69,10 +69,10 @@ def predict_channels(observer: Observer, motion: xr.Dataset, instrument: xr.Data
     axes = instrument.variables["axis"].values.tolist()
     positions(observer, motion, "axis", axes)
     cfc = int(instrument.attrs.get("channel_frequency_class", 0))
-    reading = Reading(felt, own, tuple(axes), instrument.variables["time"].values, cfc)
-    value, model = reading.values()
+    channels = Channels(felt, own, tuple(axes), instrument.variables["time"].values, cfc)
+    value, model = channels.values()
     quantity, names = observer.quantity, tuple(spec.name for spec in observer.errors)
-    errors = Lazy((*value.shape, len(names)), partial(reading.by_errors, names))
+    errors = Lazy((*value.shape, len(names)), partial(channels.by_errors, names))
     units = instrument.variables[quantity].attrs.get("units", "")
     variables = {
         quantity: xr.Variable(DIMS, value, {"units": units}),
@@ -84,8 +84,8 @@ def predict_channels(observer: Observer, motion: xr.Dataset, instrument: xr.Data
 
 
 @frozen(eq=False)
-class Reading:
-    """The readings of an instrument, and their derivatives.
+class Channels:
+    """The channels of an instrument: their readings, and the derivatives of these.
 
     Arguments:
         felt: by sensors without errors.

@@ -2,7 +2,6 @@
 
 import numpy as np
 from attrs import frozen
-from scipy.linalg import block_diag
 
 from crashkit_cameras.prior import Expectation
 from crashkit_cameras.projection import PARAMETERS, Cameras, depths, project, project_with_derivatives
@@ -55,15 +54,15 @@ class Estimate:
         cameras, points: (point, 3).
         cost: the negative logarithm of the posterior density, but for a constant.
         covariance: of the cameras' steps, (16 view, 16 view).
-        log_evidence: the logarithm of the readings' probability, whatever the cameras (Laplace's approximation), but for a
-            constant of the readings: by it, rival expectations of the cameras are compared.
+        log_mass: the logarithm of the posterior's mass about this place (Laplace's approximation), but for the same
+            constant: by it, places that both are most probable among their neighbours are compared.
     """
 
     cameras: Cameras
     points: np.ndarray
     cost: float
     covariance: np.ndarray
-    log_evidence: float
+    log_mass: float
 
 
 def robust_weight(square: np.ndarray) -> np.ndarray:
@@ -88,7 +87,7 @@ def adjust(cameras: Cameras, points: np.ndarray, readings: Readings, expectation
     covariance = normal_equations(cameras, points, readings, expectation).covariance()
     free = ~expectation.held().ravel()
     volume = 0.5 * np.linalg.slogdet(2.0 * np.pi * covariance[np.ix_(free, free)])[1]
-    return Estimate(cameras, points, cost, covariance, float(volume - cost + expectation.log_peak))
+    return Estimate(cameras, points, cost, covariance, float(volume - cost))
 
 
 @frozen(eq=False)
@@ -114,7 +113,7 @@ class NormalEquations:
     def step(self, damping: float) -> tuple[np.ndarray, np.ndarray]:
         """Steps of the cameras (view, 16) and of the points (point, 3)."""
         reduced = self._reduced() + damping * np.diag(np.diag(self.camera))
-        right = self.camera_right - np.einsum("pci,pij,pj->c", self.cross, self.point, self.point_right, optimize=True)
+        right = self.camera_right - (self.cross @ (self.point @ self.point_right[..., None])).sum(axis=0)[:, 0]
         step = np.linalg.solve(reduced, right)
         shift = self.point @ (self.point_right - step @ self.cross)[..., None]
         return step.reshape(-1, PARAMETERS), shift[..., 0]
@@ -194,7 +193,11 @@ def _camera_equations(
     weight = expectation.weight(cameras)
     right -= weight * expectation.difference(cameras)
     diagonal = np.where(expectation.held(), FIXED, weight)
-    return block_diag(*blocks) + np.diag(diagonal.ravel()), right.ravel()
+    camera = np.diag(diagonal.ravel())
+    for view, block in enumerate(blocks):
+        own = slice(PARAMETERS * view, PARAMETERS * (view + 1))
+        camera[own, own] += block
+    return camera, right.ravel()
 
 
 def _point_equations(

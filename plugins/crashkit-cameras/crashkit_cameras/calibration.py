@@ -112,14 +112,23 @@ def _settled(fit: _Fit, marker_std: np.ndarray) -> _Fit:
 
 
 def _simplest(fit: _Fit, marker_std: np.ndarray) -> _Fit:
-    """The fit without distortion, where the readings are the more probable for it."""
+    """The fit without distortion, where the readings make that the more probable.
+
+    The odds are the density of no distortion after the readings over the one before (Dickey, Ann. Math. Stat. 42, 1971,
+    204-223).
+    """
     if not np.isfinite(fit.expectation.scale[:, DISTORTION]).all():
         return fit
-    expected = fit.expectation.without_distortion()
-    cameras = evolve(fit.estimate.cameras, distortion=np.zeros_like(fit.estimate.cameras.distortion))
-    estimate = adjust(cameras, fit.estimate.points, fit.readings, expected)
-    if estimate.log_evidence <= fit.estimate.log_evidence:
+    distortion = fit.estimate.cameras.distortion
+    columns = np.arange(fit.estimate.covariance.shape[0]).reshape(len(distortion), -1)[:, DISTORTION].ravel()
+    covariance = fit.estimate.covariance[np.ix_(columns, columns)]
+    after = -0.5 * distortion.ravel() @ np.linalg.solve(covariance, distortion.ravel())
+    after -= 0.5 * np.linalg.slogdet(2.0 * np.pi * covariance)[1]
+    if after < fit.expectation.log_density_undistorted():
         return fit
+    cameras = evolve(fit.estimate.cameras, distortion=np.zeros_like(distortion))
+    expected = fit.expectation.without_distortion()
+    estimate = adjust(cameras, fit.estimate.points, fit.readings, expected)
     return _settled(_Fit(estimate, fit.readings, expected), marker_std)
 
 

@@ -65,12 +65,6 @@ class Expectation:
     scale: np.ndarray
     tail: np.ndarray
 
-    @property
-    def log_peak(self) -> float:
-        """The logarithm of the density at the mean, which `cost` leaves out."""
-        tail, scale = self.tail[self._known()], self.scale[self._known()]
-        return float((gammaln(0.5 * tail + 0.5) - gammaln(0.5 * tail) - 0.5 * np.log(np.pi * tail) - np.log(scale)).sum())
-
     def cost(self, cameras: Cameras) -> float:
         """The negative logarithm of the density, but for a constant."""
         tail = self.tail[self._known()]
@@ -87,6 +81,11 @@ class Expectation:
     def difference(self, cameras: Cameras) -> np.ndarray:
         """number - mean, (view, 16)."""
         return cameras.numbers() - self.mean
+
+    def log_density_undistorted(self) -> float:
+        """The logarithm of the density of no distortion at all."""
+        tail, scale = self.tail[:, DISTORTION], self.scale[:, DISTORTION]
+        return float((gammaln(0.5 * tail + 0.5) - gammaln(0.5 * tail) - 0.5 * np.log(np.pi * tail) - np.log(scale)).sum())
 
     def without_distortion(self) -> "Expectation":
         """The same of cameras whose lenses do not distort."""

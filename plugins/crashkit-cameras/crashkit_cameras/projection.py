@@ -105,7 +105,7 @@ def project_with_derivatives(cameras: Cameras, points: np.ndarray) -> tuple[np.n
     image = _on_image(cameras, bent)
     to_local = _to_local(cameras, local, straight)
     to_camera = np.zeros((*image.shape, PARAMETERS))
-    to_camera[..., :3] = np.cross(local[..., None, :], to_local)
+    to_camera[..., :3] = -(to_local @ cross_matrix(local))
     to_camera[..., 3:6] = -_turned(to_local, cameras.rotation)
     to_camera[..., 6] = image - cameras.centre[:, None]
     to_camera[..., 1, 7] = to_camera[..., 1, 6]

@@ -33,7 +33,7 @@ def _start(control: Control, frame: Frame, prior: Prior) -> Cameras:
     if suspicious and len(points) > SUBSET:
         candidates += _candidates(fit_linear_robust(points, image), readings, frame)
         best, _, _ = _best(candidates, readings, frame, prior)
-    if not np.isfinite(best.log_evidence):
+    if not np.isfinite(best.log_mass):
         expected = f'camera: view "{control.views[0]}": expected the images of control points in perspective'
         raise CrashkitError(f"{expected}, found none that has them all before the camera: are points confused?")
     return best.cameras
@@ -58,4 +58,4 @@ def _best(
     readings = evolve(readings, std=np.min([first_std(camera, readings) for camera in candidates], axis=0))
     expected = expectation(prior, frame, candidates[0].focal)
     estimates = [adjust(camera, readings.known, readings, expected) for camera in candidates]
-    return max(estimates, key=lambda estimate: estimate.log_evidence), readings, expected
+    return max(estimates, key=lambda estimate: estimate.log_mass), readings, expected

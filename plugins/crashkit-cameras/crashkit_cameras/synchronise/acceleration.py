@@ -18,7 +18,7 @@ LEAST_OVERLAP, LEAST_FRAMES = 0.5, 6
 
 @frozen
 class _Track:
-    """A marker along an axis: stamps, s, readings and their standard deviation, m; and its body's acceleration integrated twice."""
+    """A marker along an axis: stamps, s, readings and their deviation, m, and its body's acceleration integrated twice."""
 
     stamps: np.ndarray
     reading: np.ndarray
@@ -82,7 +82,8 @@ def synchronise_with_accelerometer(
 
 def _tracks(film: xr.Dataset, accelerometer: xr.Dataset) -> list[_Track]:
     """Every marker along every axis that an accelerometer on its body sees too."""
-    carriers, axes = accelerometer["sensor_body"], [axis for axis in film["axis"].values if axis in accelerometer["axis"].values]
+    carriers = accelerometer["sensor_body"]
+    axes = [axis for axis in film["axis"].values if axis in accelerometer["axis"].values]
     tracks = []
     for marker in film["marker"].values:
         one = film.sel(marker=marker)

@@ -96,7 +96,7 @@ def linearised(views: Views, state: State) -> Linear:
 
 @frozen(eq=False)
 class _Equations:
-    """A view's residuals (time, marker, 2) in standard deviations, their derivatives, and the splines' functions and slopes."""
+    """A view's residuals (time, marker, 2) in standard deviations, their derivatives, and the splines' functions and rates."""
 
     residual: np.ndarray
     to_own: np.ndarray
@@ -127,9 +127,7 @@ def _view_equations(views: Views, state: State, view: int) -> _Equations:
     return _Equations(residual, to_own, to_point, functions, rates)
 
 
-def _marker_equations(
-    parts: list[_Equations], marker: int, spline: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _marker_equations(parts: list[_Equations], marker: int, spline: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """A marker's normal matrix, its mixed part with the views' own numbers, and its gradient."""
     size = spline.size
     normal, mixed, gradient = np.zeros((size, size)), np.zeros((size, OWN * len(parts))), np.zeros(size)

@@ -20,9 +20,10 @@ def undistorted(cameras: Cameras, image: np.ndarray) -> np.ndarray:
     """Where points (view, point, 2) would be in the images of cameras without distortion, by fixed-point iteration."""
     straight = evolve(cameras, distortion=np.zeros_like(cameras.distortion))
     found = image.copy()
-    for _ in range(UNDISTORTING):
-        bent = np.stack([project(cameras.select(slice(v, v + 1)), _on_rays(straight, v, found[v]))[0] for v in range(len(cameras))])
-        found = found + image - bent
+    for view in range(len(cameras)):
+        camera = cameras.select(slice(view, view + 1))
+        for _ in range(UNDISTORTING):
+            found[view] += image[view] - project(camera, _on_rays(straight, view, found[view]))[0]
     return found
 
 
@@ -34,7 +35,7 @@ def _on_rays(cameras: Cameras, view: int, image: np.ndarray) -> np.ndarray:
 
 
 def coarse_offset(cameras: Cameras, stamps: np.ndarray, image: np.ndarray, offsets: np.ndarray) -> tuple[float, bool]:
-    """The offset of a second view's stamps against the first's at which the rays come nearest, and whether another does as well.
+    """The offset of a second view against the first at which the rays come nearest, and whether another would do as well.
 
     Arguments:
         cameras: two views, without distortion.
@@ -70,7 +71,7 @@ def _error(cameras: Cameras, image: np.ndarray, least: float) -> float:
 
 
 def shifted(stamps: np.ndarray, image: np.ndarray, offset: float) -> np.ndarray:
-    """A view's images (time, ...) at the times of the stamps, were its own stamps late by the offset; NaN beside hidden frames."""
+    """A view's images (time, ...) at the times of the stamps, if its own are late by an offset; NaN beside hidden frames."""
     at = stamps + offset
     after = np.searchsorted(stamps, at).clip(1, len(stamps) - 1)
     part = (at - stamps[after - 1]) / (stamps[after] - stamps[after - 1])

@@ -28,8 +28,8 @@ def synchronise_by_diode(
 
         s_i - T < offset + rate (s_i - epoch),   offset + rate (s_i+1 - epoch) <= s_i+1 - T.
 
-    All clocks that satisfy every such inequality are equally likely; the result is their mean and covariance. So the uncertainty
-    falls with the number of times that the diode is switched, not with its root.
+    All clocks that satisfy every such inequality are equally likely; the result is their mean and covariance. So the
+    uncertainty falls with the number of times that the diode is switched, not with its root.
 
     Offsets are told against the reference view, and are known but for whole periods of the diode: of those the smallest. Rates
     are told against the diode.
@@ -90,7 +90,7 @@ def _clock(name: str, switches: np.ndarray, epoch: float, drift: float) -> _Cloc
     limits = np.append(time - early + middle, late - time - middle)
     slack = _slack(normals, limits, most / unit[1])
     if slack > frame:
-        raise CrashkitError(f"{name}: expected a diode of the given frequency, found readings that contradict it by {slack:.2g} s")
+        raise CrashkitError(f"{name}: expected a diode of the given frequency, found readings {slack:.2g} s away from it")
     width = 1.0 + 2.0 * slack / frame + 2.0 * most * reach / frame
     polygon = np.array([[-width, -1.0], [width, -1.0], [width, 1.0], [-width, 1.0]]) * [1.0, most / unit[1]]
     for normal, limit in zip(normals, limits + 2.0 * slack, strict=True):

@@ -15,10 +15,10 @@ RADII = (5.0, 40.0)
 """pixel; the smallest and the largest disc that is looked for."""
 SCALE = 1.3
 """Between one radius that is looked for and the next."""
-MOST_CANDIDATES = 300
-MOST_TRIED = 20
-MEASURES = 8
-SETTLED = 0.1
+MOST_CANDIDATES, MOST_TRIED = 300, 20
+"""Places that are tried in a whole image, and around a point."""
+MEASURES, SETTLED = 8, 0.1
+"""How often a size is measured, and the change of its logarithm from which on it is kept."""
 LEAST_QUALITY = 0.8
 MOST_STD = 0.1
 """pixel; an image has many smooth saddles and spots that nobody painted."""
@@ -69,7 +69,8 @@ def mark(
         time: of the frame on which the targets are shown, s, for a correction later in a film.
 
     Returns:
-        Dataset over `marker`: `image_position` (marker, image_axis) and `radius`, pixel; `kind`; the coordinate `time` if given.
+        Dataset over `marker`: `image_position` (marker, image_axis) and `radius`, pixel; `kind`; the coordinate `time` if it
+        is given.
 
     Raises CrashkitError for a kind that is not known.
     """
@@ -81,7 +82,6 @@ def mark(
 
 def acquire(pattern: Pattern, image: np.ndarray, point: np.ndarray, radius: float) -> Fit | None:
     """The likest target near a point; its radius may be unknown (NaN)."""
-    known = np.isfinite(radius)
     known = np.isfinite(radius)
     within = max(ACROSS, radius) if known else ACROSS
     radii = [radius / SCALE, radius, radius * SCALE] if known else _radii(*RADII)

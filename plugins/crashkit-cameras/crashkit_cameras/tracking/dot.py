@@ -5,13 +5,17 @@ import numpy as np
 from crashkit_cameras.tracking.edge import edge
 from crashkit_cameras.tracking.pattern import Pattern
 
-SHARPEST = 0.1
-TYPICAL_BLUR = 0.7
-SEEN_BLUR = 2.0
-SEEN_GROUND = 0.2
+SHARPEST, TYPICAL_BLUR = 0.1, 0.7
+"""pixel"""
+SEEN_BLUR, SEEN_GROUND = 2.0, 0.2
+"""How much of the ground is looked at, in deviations of the blur and in radii; the larger counts."""
 GROUND = 1.4
-TINY = 1e-9
+"""Radii; the ground that a search expects around a dot."""
+FLATTEST = 1e-3
+"""The least eigenvalue of M over the largest."""
 FAR = 100.0
+"""pixel; an edge further away does not matter."""
+TINY = 1e-9
 
 
 class Dot(Pattern):
@@ -60,13 +64,10 @@ class Dot(Pattern):
     def radius(self, shape: np.ndarray) -> float:
         return float(np.linalg.det(_matrix(shape[2:5])) ** -0.25)
 
-    def blur(self, shape: np.ndarray) -> float:
-        return float(np.sqrt(np.linalg.eigvalsh(_matrix(shape[5:8]))[-1]))
-
     def bounded(self, shape: np.ndarray) -> np.ndarray:
-        largest = np.linalg.norm(shape[2:5])
-        m, covariance = _between(shape[2:5], 1e-3 * largest, largest), shape[5:8]
-        return np.concatenate([shape[:2], m, _between(covariance, SHARPEST**2, 1.0 / np.min(m[:2]))])
+        largest = float(np.linalg.norm(shape[2:5]))
+        m, covariance = _between(shape[2:5], FLATTEST * largest, largest), shape[5:8]
+        return np.concatenate([shape[:2], m, _between(covariance, SHARPEST**2, float(1.0 / np.min(m[:2])))])
 
     def measured(self, shape: np.ndarray, image: np.ndarray) -> np.ndarray:
         return shape
@@ -75,9 +76,13 @@ class Dot(Pattern):
         distance = np.hypot(x, y)
         return np.where(distance < 1.0, -1.0, np.where(distance < GROUND, 1.0 / (GROUND**2 - 1.0), 0.0)) + 0.0j
 
+    def _blur(self, shape: np.ndarray) -> float:
+        """The largest standard deviation of the image of a point, pixel."""
+        return float(np.sqrt(np.linalg.eigvalsh(_matrix(shape[5:8]))[-1]))
+
     def _margin(self, shape: np.ndarray) -> float:
         """How far beyond the edge the ground is looked at, pixel."""
-        return float(max(SEEN_BLUR * self.blur(shape), SEEN_GROUND * self.radius(shape)))
+        return float(max(SEEN_BLUR * self._blur(shape), SEEN_GROUND * self.radius(shape)))
 
 
 def _matrix(values: np.ndarray) -> np.ndarray:

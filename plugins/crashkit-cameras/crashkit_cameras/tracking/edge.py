@@ -14,8 +14,8 @@ def edge(
 
         E(d) = (1 / p q) ∫∫ erf((d + s + t) / (σ √2)) ds dt,   |s| < p / 2, |t| < q / 2,
 
-    with p = |cos| and q = |sin| the widths of the square's sides seen along the edge's normal. It is a second difference of the
-    second integral of erf, hence exact however sharp the edge.
+    with p = |cos| and q = |sin| the widths of the square's sides seen along the edge's normal. It is a second difference of
+    the second integral of erf, hence exact however sharp the edge.
 
     Arguments:
         distance: of the pixel's middle from the edge, positive where it is bright, pixel.
@@ -26,9 +26,9 @@ def edge(
         E, its derivative to the distance, and its derivative to the variance.
     """
     p, q = np.maximum(np.abs(cos), NARROWEST), np.maximum(np.abs(sin), NARROWEST)
-    column = (4,) + (1,) * np.ndim(distance)
-    x = distance + np.stack([0.5 * (p + q), 0.5 * (p - q), 0.5 * (q - p), -0.5 * (p + q)])
-    sign = SIGNS.reshape(column) / (p * q)
+    total, difference = 0.5 * (p + q), 0.5 * (p - q)
+    x = np.stack([distance + total, distance + difference, distance - difference, distance - total])
+    sign = SIGNS.reshape(4, *(1,) * np.ndim(distance)) / (p * q)
     step = sign * erf(x / np.sqrt(2.0 * variance))
     bell = sign * np.sqrt(2.0 / np.pi * variance) * np.exp(-0.5 * x * x / variance)
     value = 0.5 * ((x * x + variance) * step + x * bell)

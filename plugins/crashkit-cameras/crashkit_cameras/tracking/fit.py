@@ -19,11 +19,13 @@ OUTLIER_DEVIATIONS = 4.0
 LEAST_PIXELS_PER_VALUE = 2
 ITERATIONS = 15
 DAMPING = 1e-3
-STILL = 1e-3
-MOVED = 0.1
-TINY = 1e-12
-DEPTHS = (8, 10, 12, 14, 16, 32)
+STILL, MOVED = 1e-3, 0.1
+"""pixel; a shorter step is the last, and after a longer way the pixels are chosen anew."""
 HOPELESS = 0.2
+"""Quality below which nobody would speak of a target."""
+DEPTHS = (8, 10, 12, 14, 16)
+"""Bits of sensors."""
+TINY = 1e-12
 MODEL_ERROR = 0.002
 """pixel; what edges that are not blurred by a normal distribution add to the noise."""
 
@@ -74,13 +76,13 @@ class Patch(NamedTuple):
 def fit(pattern: Pattern, image: np.ndarray, shape: np.ndarray) -> Fit | None:
     r"""Fit a pattern to an image, from a start that is off by less than half a radius.
 
-    The image at the pixel x, with m the pattern's mean over the pixel's square, and k > 0 where bright is bright:
+    The image at the pixel x, with m the pattern's mean over the pixel's square, ground b, contrast k and tone h:
 
         I(x) = b + b'x + (k + k'x) m(x; shape) + h (1 - m^2)
 
     by Gauss-Newton with Marquardt's damping. Saturated pixels may be brighter than they say. Pixels far from the fit
-    (glints, something in front) are left out, in rounds that become stricter. The covariance is White's (1980, doi:10.2307/1912934): it also holds for noise that differs from
-    pixel to pixel.
+    (glints, something in front) are left out, in rounds that become stricter. The covariance is White's (1980,
+    doi:10.2307/1912934): it also holds for noise that differs from pixel to pixel.
 
     Arguments:
         image: brightness, (row v, column u).
@@ -88,19 +90,32 @@ def fit(pattern: Pattern, image: np.ndarray, shape: np.ndarray) -> Fit | None:
 
     Returns None where the target is not whole in the image, or where the fit does not come to rest.
     """
-    origin, state = shape[:2], None
+    origin, values = shape[:2], np.zeros(0)
     for tolerance in TOLERANCES:
         patch = cut(pattern, image, shape)
         if patch is None:
             return None
         problem = _Problem(pattern, patch, origin)
-        start = problem.lit(shape) if state is None else problem.state(state.values)
-        state = problem.converge(start, problem.near(start, tolerance))
-        if state is None or problem.quality(state) < HOPELESS:
+        start = problem.state(values) if values.size else problem.lit(shape)
+        import os
+        mode=os.environ.get("ROB","0")
+        if tolerance==np.inf and mode!="0":
+            act=np.zeros(LIGHT+len(shape),bool); act[:TONE]=True; act[LIGHT:LIGHT+2]=True
+            if mode=="2": act[[1,2,4,5]]=False
+            rested = problem.converge(start, np.ones(patch.u.size,bool), act, float(os.environ.get("TAU","1")))
+            if rested is None: return None
+            if mode=="3":
+                act[LIGHT:]=True
+                rested = problem.converge(rested, np.ones(patch.u.size,bool), act, .5)
+        else:
+            rested = problem.converge(start, problem.near(start, tolerance))
+        if rested is None or problem.quality(rested) < HOPELESS:
             return None
-        shape = state.values[LIGHT:]
+        state, values, shape = rested, rested.values, rested.values[LIGHT:]
         used = problem.near(state, TOLERANCES[-1])
-        if used.all() and np.hypot(*(state.values - start.values)[CENTRE]) < MOVED:
+        if used.sum() < _least(pattern):
+            return None
+        if tolerance!=np.inf and used.all() and np.hypot(*(values - start.values)[CENTRE]) < MOVED:
             break
     return problem.result(state, used)
 
@@ -114,18 +129,24 @@ def cut(pattern: Pattern, image: np.ndarray, shape: np.ndarray) -> Patch | None:
     u, v = np.meshgrid(np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1))
     inside = pattern.inside(shape, u, v)
     u, v = u[inside], v[inside]
-    if u.size < LEAST_PIXELS_PER_VALUE * (LIGHT + pattern.fitted):
+    if u.size < _least(pattern):
         return None
     if min(u.min(), v.min()) < 0 or u.max() >= image.shape[1] or v.max() >= image.shape[0]:
         return None
     return Patch(u, v, image[v, u].astype(float), _range(image))
 
 
+def _least(pattern: Pattern) -> int:
+    """The fewest pixels that can be fitted."""
+    return LEAST_PIXELS_PER_VALUE * (LIGHT + pattern.fitted)
+
+
 def _range(image: np.ndarray) -> tuple[float, float]:
     """The least and largest brightness that an image's type, and the depth of its sensor, can hold."""
     if not np.issubdtype(image.dtype, np.integer):
         return -np.inf, np.inf
-    return 0.0, next(2.0**bits - 1.0 for bits in DEPTHS if image.max() < 2**bits)
+    brightest = 0 if image.dtype.itemsize == 1 else image.max()
+    return 0.0, next((2.0**bits - 1.0 for bits in DEPTHS if brightest < 2**bits), np.inf)
 
 
 class _State(NamedTuple):
@@ -180,9 +201,22 @@ class _Problem:
         outliers[v, u] = far
         return ~binary_dilation(outliers)[v, u]
 
-    def converge(self, state: _State, used: np.ndarray) -> _State | None:
+    def converge(self, state: _State, used: np.ndarray, act=None, tau=None) -> _State | None:
         """Least squares on some of the pixels; None where it does not come to rest."""
         damping = DAMPING
+        if tau is not None:
+            def cost(st):
+                t=tau*abs(st0.values[CONTRAST]); x=(st.residual/t)**2; return np.sum(x/(1+x))
+            st0=state
+            for _ in range(ITERATIONS):
+                t=tau*abs(st0.values[CONTRAST]); w=1/(1+(state.residual/t)**2)
+                values = state.values + _step(state.residual*w, state.slopes*w*act[:,None], damping)
+                values[LIGHT:] = self.pattern.bounded(values[LIGHT:])
+                moved = np.hypot(*(values - state.values)[CENTRE]); trial=self.state(values)
+                if cost(trial)<=cost(state): state,damping=trial,.1*damping
+                else: damping*=10
+                if moved<.01: return state
+            return state
         for _ in range(ITERATIONS):
             values = state.values + _step(state.residual[used], state.slopes[:, used], damping)
             values[LIGHT:] = self.pattern.bounded(values[LIGHT:])

@@ -23,9 +23,7 @@ Sightings = dict[str, Fit | str]
 """What was found of each marker in a frame: a target, or why not."""
 
 
-def follow(
-    frames: Iterable[Frame], start: xr.Dataset, *corrections: xr.Dataset, limits: Limits | None = None
-) -> xr.Dataset:
+def follow(frames: Iterable[Frame], start: xr.Dataset, *corrections: xr.Dataset, limits: Limits | None = None) -> xr.Dataset:
     """Follow targets through a film, forward or backward in time.
 
     A target is expected where its path so far leads, fitted there, and if that fails looked for around. One that is lost is

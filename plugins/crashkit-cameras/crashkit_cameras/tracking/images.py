@@ -13,6 +13,8 @@ from crashkit.errors import CrashkitError
 from crashkit_cameras.tracking.frame import Frame
 
 GREEN, RED = (80, 220, 60), (60, 60, 240)
+USUAL_RADIUS = 10.0
+"""pixel; of the circle around a target whose radius is not known."""
 SHIFT = 4
 """Bits of a pixel's fraction in OpenCV's drawing."""
 
@@ -104,7 +106,8 @@ def write_overlay(image: np.ndarray, targets: xr.Dataset, path: Path) -> None:
         place, radius = targets["image_position"].sel(marker=name).values, float(targets["radius"].sel(marker=name))
         if not np.all(np.isfinite(place)):
             continue
-        u, v, r = (round(value * 2**SHIFT) for value in (*place, radius if np.isfinite(radius) else 10.0))
+        radius = radius if np.isfinite(radius) else USUAL_RADIUS
+        u, v, r = (round(value * 2**SHIFT) for value in (*place, radius))
         cv2.circle(picture, (u, v), r, GREEN, 1, cv2.LINE_AA, SHIFT)
         for du, dv in ((r // 2, 0), (0, r // 2)):
             cv2.line(picture, (u - du, v - dv), (u + du, v + dv), RED, 1, cv2.LINE_AA, SHIFT)

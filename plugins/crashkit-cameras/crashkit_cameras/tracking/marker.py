@@ -13,11 +13,13 @@ UNLIKE = "nothing like it where it is expected"
 UNCERTAIN = "too uncertain: blurred or faint"
 OUTSIDE = "outside the image"
 MOST_TRIED = 5
+"""Places that are tried for a target that is not where it is expected."""
 FOLLOWED, AGAIN = 4.0, 1.4
 """By how much size and contrast may differ from when the target was last seen: while it is followed, and when found again."""
 LESS_CERTAIN = 4.0
 """By how much the standard deviation of a target that is found again may exceed the last one."""
 WIDER = 0.25
+"""By how much wider a target is looked for with each frame that it was not seen."""
 GROWTH = 1.1
 """How much larger or smaller a target may become from one frame to the next."""
 STRAYED = 0.7

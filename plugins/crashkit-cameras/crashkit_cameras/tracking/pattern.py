@@ -46,10 +46,6 @@ class Pattern(ABC):
         """The radius of the disc with the target's area in the image, pixel."""
 
     @abstractmethod
-    def blur(self, shape: np.ndarray) -> float:
-        """The largest standard deviation of the image of a point, pixel."""
-
-    @abstractmethod
     def bounded(self, shape: np.ndarray) -> np.ndarray:
         """The nearest shape that makes sense."""
 

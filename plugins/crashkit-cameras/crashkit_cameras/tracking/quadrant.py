@@ -9,13 +9,16 @@ from crashkit_cameras.tracking.pattern import Pattern
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
 PIXEL_VARIANCE = 1.0 / 12.0
-SHARPEST = 0.1
-TYPICAL_BLUR = 0.7
+"""pixel^2; of a place within a pixel."""
+SHARPEST, TYPICAL_BLUR = 0.1, 0.7
+"""pixel"""
 MOST_CORRELATED = 0.95
-RIM_DEVIATIONS = 2.0
+RIM_DEVIATIONS, LEAST_INSIDE = 2.0, 0.7
+"""How far from the rim pixels must be, in deviations of the blur; but so much of the reach is always looked at."""
 LEAST_SEEN, MOST_SEEN, STEPS, NEAR_STEPS = 0.4, 1.6, 49, 5
 """Where along a line its end is looked for, in parts of the reach so far."""
 SIDE = 0.25
+"""How far beside the line, likewise."""
 
 
 class Quadrant(Pattern):
@@ -29,8 +32,8 @@ class Quadrant(Pattern):
     which is the mean of sign(a + z) sign(b + w) over such deviates z, w (Plackett 1954, doi:10.1093/biomet/41.3-4.351).
     Straight lines stay straight in perspective: their crossing is the target's true middle however it is seen.
 
-    The shape: centre u, v; angles of the two lines' normals, rad; variance of the blur across each, pixel^2; r; and, not fitted, how far from
-    the centre each line is seen, pixel.
+    The shape: centre u, v; angles of the two lines' normals, rad; variance of the blur across each, pixel^2; r; and, not
+    fitted, how far from the centre each line is seen, pixel.
     """
 
     name = "quadrant"
@@ -59,8 +62,8 @@ class Quadrant(Pattern):
         return first * second + joint, np.stack(derivatives)
 
     def inside(self, shape: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.ndarray:
-        rim = RIM_DEVIATIONS * self.blur(shape) + 0.5
-        reach = np.maximum(shape[7:9] - rim, 0.7 * shape[7:9])
+        rim = RIM_DEVIATIONS * self._blur(shape) + 0.5
+        reach = np.maximum(shape[7:9] - rim, LEAST_INSIDE * shape[7:9])
         x, y = np.linalg.solve(_axes(shape) * reach, np.stack([(u - shape[0]).ravel(), (v - shape[1]).ravel()]))
         return (x * x + y * y < 1.0).reshape(u.shape)
 
@@ -70,9 +73,6 @@ class Quadrant(Pattern):
     def radius(self, shape: np.ndarray) -> float:
         return float(np.sqrt(abs(np.linalg.det(_axes(shape) * shape[7:9]))))
 
-    def blur(self, shape: np.ndarray) -> float:
-        return float(np.sqrt(np.max(shape[4:6])))
-
     def bounded(self, shape: np.ndarray) -> np.ndarray:
         bounded = shape.copy()
         bounded[4:6] = shape[4:6].clip(SHARPEST**2, np.max(shape[7:9]) ** 2)
@@ -80,12 +80,16 @@ class Quadrant(Pattern):
         return bounded
 
     def measured(self, shape: np.ndarray, image: np.ndarray) -> np.ndarray:
-        beside = SIDE * np.max(shape[7:9]) + self.blur(shape)
+        beside = SIDE * np.max(shape[7:9]) + self._blur(shape)
         reach = [_seen_along(image, shape, line, beside) for line in (0, 1)]
         return np.append(shape[:7], reach)
 
     def template(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         return np.where(x * x + y * y < 1.0, 1j * np.exp(-2j * np.arctan2(y, x)), 0.0)
+
+    def _blur(self, shape: np.ndarray) -> float:
+        """The largest standard deviation of the image of a point, pixel."""
+        return float(np.sqrt(np.max(shape[4:6])))
 
 
 def _seen_along(image: np.ndarray, shape: np.ndarray, line: int, beside: float) -> float:

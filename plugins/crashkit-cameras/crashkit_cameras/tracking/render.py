@@ -129,7 +129,7 @@ def _paint(image: np.ndarray, target: Painted, imaging: Imaging, time: float) ->
     if np.any(high - low < 2 * margin):
         return
     n = imaging.samples
-    u, v = np.meshgrid(*((low[axis] - 0.5 + (np.arange((high - low + 1)[axis] * n) + 0.5) / n for axis in (0, 1))))
+    u, v = np.meshgrid(*(low[axis] - 0.5 + (np.arange((high - low + 1)[axis] * n) + 0.5) / n for axis in (0, 1)))
     u += ((GOLDEN * np.arange(len(u))) % 1.0 - 0.5)[:, None] / n  # no edge runs along a line of points
     sharp = np.mean([_seen(target, pose, u, v, n) for pose in poses], axis=0)
     kernel = _disc(imaging.defocus * n)
@@ -157,7 +157,9 @@ def _seen(target: Painted, homography: np.ndarray, u: np.ndarray, v: np.ndarray,
     plane = np.linalg.inv(homography)
     s, t, depth = np.tensordot(plane, np.stack([u, v, np.ones_like(u)]), 1)
     s, t = s / depth, t / depth
-    slope_s, slope_t = ((plane[i, 0] + 1j * plane[i, 1] - x * (plane[2, 0] + 1j * plane[2, 1])) / depth for i, x in ((0, s), (1, t)))
+    slope_s, slope_t = (
+        (plane[i, 0] + 1j * plane[i, 1] - x * (plane[2, 0] + 1j * plane[2, 1])) / depth for i, x in ((0, s), (1, t))
+    )
     covered = 0.5 * (1.0 + _step(CARD - np.abs(s), slope_s, n)) * 0.5 * (1.0 + _step(CARD - np.abs(t), slope_t, n))
     if target.kind == "card":
         return np.stack([covered, covered * target.dark])

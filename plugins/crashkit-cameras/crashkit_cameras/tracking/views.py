@@ -4,7 +4,6 @@ from collections.abc import Mapping
 
 import xarray as xr
 
-TRACKED = ("image_position", "image_position_std", "quality")
 SAME_TIME = 9
 """Decimals of a second to which times are compared."""
 
@@ -16,11 +15,16 @@ def combine_views(views: Mapping[str, xr.Dataset]) -> xr.Dataset:
         views: by the name of the camera.
 
     Returns:
-        Dataset with `image_position` (time, view, marker, image_axis), `image_position_std` and `quality`, over all times and
-        markers; NaN where a view has no frame or does not see the marker. For a camera group it lacks the control points
-        and `marker_body`, `marker_point`.
+        Dataset with `image_position` (time, view, marker, image_axis), pixel, NaN where a view has no frame or does not see
+        the marker; `image_position_std` (marker), the root mean square of `image_position_noise`, which has the dims of
+        `image_position`; `quality` (time, view, marker). A camera group also has control points, `marker_body` and
+        `marker_point`.
     """
-    tracks = [view[list(TRACKED)].assign_coords(time=view["time"].round(SAME_TIME)) for view in views.values()]
+    tracks = [view[["image_position", "image_position_std", "quality"]] for view in views.values()]
+    timed = [track.assign_coords(time=track["time"].round(SAME_TIME)) for track in tracks]
     names = xr.DataArray(list(views), dims="view", name="view")
-    joined = xr.concat(tracks, dim=names, join="outer", data_vars="all", coords="minimal", compat="equals", combine_attrs="drop")
+    joined = xr.concat(timed, names, join="outer", data_vars="all", coords="minimal", compat="equals", combine_attrs="drop")
+    each = joined["image_position_std"]
+    typical = ((each**2).mean(("time", "view", "image_axis")) ** 0.5).assign_attrs(units="pixel")
+    joined = joined.assign(image_position_std=typical, image_position_noise=each)
     return joined.transpose("time", "view", "marker", "image_axis")
