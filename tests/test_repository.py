@@ -31,4 +31,4 @@ def test_a_plugin_is_named_alike_everywhere(folder):
 
 def test_the_readme_shows_the_command_that_ci_runs():
     commands = [line for line in (CHECKOUT / "README.md").read_text().splitlines() if line.startswith("python3 -m venv")]
-    assert [command.split("/")[-1] for command in commands] == ["crashkit demo", "pytest -q"]
+    assert [command.split("/")[-1] for command in commands] == ["crashkit demo", "pytest -q -n 2 --dist loadfile"]

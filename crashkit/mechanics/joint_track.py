@@ -20,33 +20,49 @@ class Track:
 
     Arguments:
         law: what gives them.
-        state: (time, 3), deformation, its rate, and the largest deformation so far.
+        distance, nearest: (time,) m, of its ends, and the least so far.
+        rate: (time,) m s-1, of its deformation.
+        length: m, its free length where the values do not give it.
         ends: of both bodies, the row, and (time, axis) what a force of 1 N puts on it: a force and, in several axes, a moment.
     """
 
     law: JointLaw
-    state: np.ndarray
+    distance: np.ndarray
+    nearest: np.ndarray
+    rate: np.ndarray
+    length: float
     ends: tuple[tuple[int, np.ndarray], tuple[int, np.ndarray]]
 
     def picked(self, rows: Sequence[int]) -> "Track":
         """The same at some instants."""
-        ends = [(body, along[list(rows)]) for body, along in self.ends]
-        return Track(self.law, self.state[list(rows)], (ends[0], ends[1]))
+        taken = list(rows)
+        ends = [(body, along[taken]) for body, along in self.ends]
+        return Track(self.law, self.distance[taken], self.nearest[taken], self.rate[taken], self.length, (ends[0], ends[1]))
+
+    def states(self, values: Mapping[str, float]) -> np.ndarray:
+        """(time, 3), deformation, its rate, and the largest deformation so far."""
+        length = values.get(self._free_length, self.length)
+        return np.column_stack([length - self.distance, self.rate, np.maximum(length - self.nearest, 0.0)])
 
     def modes(self, values: Mapping[str, float]) -> list[Modes]:
         """The branches that each state takes."""
         numbers = self.law.numbers(values)
-        return [self.law.modes(state, numbers) for state in self.state.tolist()]
+        return [self.law.modes(state, numbers) for state in self.states(values).tolist()]
 
     def push(self, modes: Sequence[Modes], values: Mapping[str, float], paths: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
         """The forces (time,), N, on given branches, and their derivatives (time, parameter) to `paths`."""
         numbers = self.law.numbers(values)
-        rows = [self.law.evaluate(state, taken, numbers) for state, taken in zip(self.state.tolist(), modes, strict=True)]
+        states = self.states(values).tolist()
+        rows = [self.law.evaluate(state, taken, numbers) for state, taken in zip(states, modes, strict=True)]
         force, slopes = np.array([force for force, _ in rows]), np.array([slopes for _, slopes in rows])
         known = {path: slopes[:, len(STATE) + i] for i, path in enumerate(self.law.paths)}
         # A longer free length deforms the joint more at every instant, and with it the largest deformation so far.
-        known[f"joint.{self.law.joint.name}.free_length"] = slopes[:, 0] + slopes[:, 2]
+        known[self._free_length] = slopes[:, 0] + slopes[:, 2]
         return force, np.array([known.get(path, np.zeros(len(force))) for path in paths]).reshape(len(paths), -1).T
+
+    @property
+    def _free_length(self) -> str:
+        return f"joint.{self.law.joint.name}.free_length"
 
 
 def track_of(model: Model, joint: Joint, law: JointLaw, motion: xr.Dataset) -> Track:
@@ -56,12 +72,11 @@ def track_of(model: Model, joint: Joint, law: JointLaw, motion: xr.Dataset) -> T
     direction, turning = _direction(model, joint, first, apart)
     distance = (direction * apart).sum(axis=1)
     rate = -(direction * parting + turning * apart).sum(axis=1)
-    deformation = (distance[0] if joint.free_length is None else joint.free_length.value) - distance
-    largest = np.maximum.accumulate(np.maximum(deformation, 0.0))
+    length = float(distance[0]) if joint.free_length is None else joint.free_length.value
     # Against the flat face of the first body both forces act at the point of the second.
     first_arm = first.arm + apart if joint.normal is not None else first.arm
     ends = (first.row, -_wrench(direction, first_arm)), (second.row, _wrench(direction, second.arm))
-    return Track(law, np.column_stack([deformation, rate, largest]), ends)
+    return Track(law, distance, np.minimum.accumulate(distance), rate, length, ends)
 
 
 def in_space(axes: Sequence[str], vector: Sequence[float]) -> np.ndarray:

@@ -190,7 +190,8 @@ def _given_loads(model: Model, motion: xr.Dataset, dof: int) -> np.ndarray:
             parts.append(np.array([_moment(model, moment) for moment in body.force.moment]))
         for number, table in enumerate(parts):
             for axis, column in enumerate(table.T):
-                loads[:, row, 3 * number + axis] = np.interp(times, body.force.time, column, left=0.0, right=0.0)
+                loads[:, row, 3 * number + axis] = np.interp(times, body.force.time, column, left=0.0)
+        loads[times >= body.force.time[-1], row] = 0.0
     return loads
 
 

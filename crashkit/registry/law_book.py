@@ -77,11 +77,13 @@ def fit_together(first: type[SpringLaw], added: type[SpringLaw]) -> bool:
     return can_take(first) and can_be_added(added) and not shared
 
 
+@cache
 def can_take(law: type[SpringLaw]) -> bool:
     """Whether other curves can be added to the law's loading curve."""
     return law.unit == "N" and not law.memory and any(ast.unparse(node) == HOOK for node in _tree(law).body)
 
 
+@cache
 def can_be_added(law: type[SpringLaw]) -> bool:
     """Whether the law can stand in another's loading curve."""
     tree = _tree(law)

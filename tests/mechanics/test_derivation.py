@@ -9,6 +9,7 @@ import pytest
 from crashkit.errors import CrashkitError
 from crashkit.mechanics import LawFunction
 from crashkit.mechanics.laws.emit import emit
+from crashkit.mechanics.laws.plain import plain
 from crashkit.protocols import ParameterSpec, SpringLaw
 
 LIMIT = 0.3
@@ -21,9 +22,8 @@ def law_of(function, *parameters):
 
 def functions(law, *sizes):
     """The emitted functions as plain Python."""
-    written = {"math": math, "compiled": lambda f: f, "power_slope": lambda a, b: a**b * math.log(a)}
-    exec(emit(LawFunction(law, sizes), "law"), written)
-    return written["law_mode"], written["law_frozen"], written["law_partials"]
+    written = plain(LawFunction(law, sizes))
+    return written.mode, written.frozen, written.partials
 
 
 def check(law, state, parameters, *sizes):
@@ -96,8 +96,24 @@ def loop(d, ddot, d_max, a):
     return d
 
 
-def helper(d, ddot, d_max, a):
+def unlike(d, ddot, d_max, a):
+    return a * d
+
+
+def calls_itself(d, ddot, d_max, a):
+    return calls_itself(d, ddot, d_max, a) if d > a else d
+
+
+def calls_a_loop(d, ddot, d_max, a):
     return loop(d, ddot, d_max, a)
+
+
+def calls_with_too_little(d, ddot, d_max, a):
+    return unlike(d, a)
+
+
+def calls_something_else(d, ddot, d_max, a):
+    return round(d * a)
 
 
 def equality(d, ddot, d_max, a):
@@ -140,16 +156,19 @@ def remainder(d, ddot, d_max, a):
 
 REFUSED = [
     (loop, ("a",), (), "found `while d > a:`; use assignments, if, min"),
-    (helper, ("a",), (), r"found `loop\(d, ddot, d_max, a\)`; use .*; of math: acos"),
+    (calls_a_loop, ("a",), (), "found `while d > a:`; use assignments, if, min"),
+    (calls_itself, ("a",), (), r"found `calls_itself\(d, ddot, d_max, a\)`, a function that calls itself; use"),
+    (calls_with_too_little, ("a",), (), r"found `unlike\(d, a\)`; expected d, ddot, d_max, a as its arguments"),
+    (calls_something_else, ("a",), (), r"found `round\(d \* a\)`; use .*; of math: acos"),
     (equality, ("a",), (), "found a state compared for equality; compare with <, <=, > or >="),
-    (open_path, ("a",), (), "found a path without return; return the force on every path"),
+    (open_path, ("a",), (), "found a path without return; return a value on every path"),
     (one_side, ("a",), (), "found `x`, which is not assigned on every path and no constant"),
     (too_far, ("v",), (3,), "found entry 3 of `v`; it has 3 entries"),
     (bare, ("v",), (3,), r"found the vector `v` without an index; write v\[i\]"),
     (moving, ("v",), (3,), "found the index `d`; use whole numbers that do not depend on the state"),
     (many, ("v",), (63,), "found 63 branches; at most 62 are possible: use fewer knots"),
     (remainder, ("a",), (), "found `d % a`; use assignments"),
-    (helper, ("a", "b"), (), "found arguments d, ddot, d_max, a; expected d, ddot, d_max, a, b"),
+    (unlike, ("a", "b"), (), "expected force to take d, ddot, d_max, a, b, found d, ddot, d_max, a"),
 ]
 
 
@@ -193,3 +212,105 @@ class Indented(SpringLaw):
 
 def test_a_method_over_several_lines():
     assert check(Indented, (0.5, 0.0, 0.5), (3.0,))[1] == 1.5
+
+
+# ---- functions of the author's own ----
+
+
+def share(x, limit):
+    """Several returns, each with a branch of its own."""
+    if x > limit:
+        return 1.0
+    if x <= 0.0:
+        return 0.0
+    return x / limit
+
+
+def along(x, xs, ys):
+    """A broken line, by a loop over two vectors."""
+    total = 0.0
+    for start, slope in zip(xs, ys):  # noqa: B905
+        total += slope * max(0.0, x - start)
+    return total
+
+
+def pasting(d, ddot, d_max, a, v, v2):
+    if ddot > 0.0:
+        return a * share(d, LIMIT) + along(d, v, v2)
+    return np.tanh(along(d_max, v, v2)) * share(share(d, 2.0 * a), 0.7)
+
+
+@pytest.mark.parametrize("d", [-0.2, 0.15, 0.35, 1.6])
+@pytest.mark.parametrize("ddot", [-0.5, 0.4])
+def test_functions_are_pasted(d, ddot):
+    check(law_of(pasting, "a", "v", "v2"), (d, ddot, 1.7), (1.3, [0.1, 0.5], [0.4, 0.9]), 2, 2)
+
+
+def iterating(d, ddot, d_max, v):
+    total = 0.0
+    for entry in v:
+        total += entry * max(0.0, d)
+    return total
+
+
+def test_a_loop_over_a_vector():
+    assert check(law_of(iterating, "v"), (0.5, 0.0, 0.5), ([1.0, 2.0, 3.0],), 3)[1] == 3.0
+
+
+def test_a_function_of_an_enclosing_scope():
+    """Laws that a function makes, each with numbers of its own."""
+
+    def made(limit):
+        def force(d, ddot, d_max, a):
+            return a * max(0.0, d - limit)
+
+        return law_of(force, "a")
+
+    assert check(made(0.2), (0.5, 0.0, 0.5), (2.0,))[1] == pytest.approx(0.6)
+    assert check(made(0.4), (0.5, 0.0, 0.5), (2.0,))[1] == pytest.approx(0.2)
+
+
+# ---- memory and jumps ----
+
+
+class Breaking(SpringLaw):
+    """Remembers, and jumps with the memory, the deformation or the rate."""
+
+    name = "breaking"
+    memory = "z"
+    jumps = True
+    parameters: ClassVar = (ParameterSpec("k", "N m-1", "slope"), ParameterSpec("limit", "1", "any"))
+
+    @staticmethod
+    def force(d, ddot, d_max, z, k, limit):
+        if z * k > limit or d_max > 2.0 * limit:
+            return 0.0
+        return k * (d - z) if ddot > limit else k * d
+
+    @staticmethod
+    def memory_rate(d, ddot, d_max, z, k, limit):
+        return (d - z) / limit
+
+
+POINTS = [(0.3, 0.2, 0.4, 0.1), (0.3, 0.9, 0.4, 0.1), (0.3, 0.9, 0.4, 0.7), (0.3, 0.9, 1.4, 0.1)]
+
+
+@pytest.mark.parametrize("point", POINTS)
+def test_the_derivatives_of_the_nearest_guard(point):
+    written = plain(LawFunction(Breaking))
+    numbers, out = np.array([1.5, 0.5]), np.empty(6)
+    mode = written.mode(*point, numbers, 0)
+    found = written.guard(mode, *point, numbers, 0, out)
+    assert found == written.frozen(mode, *point, numbers, 0)[1] >= 0.0
+    inputs = np.array([*point, *numbers])
+    for i in range(6):
+        above, below = (inputs + sign * 1e-6 * (np.arange(6) == i) for sign in (1, -1))
+        slope = sum(sign * written.frozen(mode, *near[:4], near[4:], 0)[1] for sign, near in ((1, above), (-1, below))) / 2e-6
+        assert out[i] == pytest.approx(slope, abs=1e-8)
+
+
+def test_a_memory_is_an_argument_of_both_functions():
+    rate = plain(LawFunction(Breaking, (), "memory_rate"))
+    out = np.empty(6)
+    assert rate.partials(0, 0.3, 0.2, 0.4, 0.1, np.array([1.5, 0.5]), 0, out) == pytest.approx(0.4)
+    np.testing.assert_allclose(out, [2.0, 0.0, 0.0, -2.0, 0.0, -0.8])

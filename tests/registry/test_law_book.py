@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from crashkit.protocols import ParameterSpec, SpringLaw
-from crashkit.registry.law_book import LawBook, can_be_added, can_take, fit_together
+from crashkit.registry.law_book import LawBook, are_parallel, can_be_added, can_take, fit_together, multiplies
 from crashkit_spring_laws import SPRING_LAWS
 
 BOOK = LawBook({law.name: law for law in SPRING_LAWS})
@@ -154,3 +154,78 @@ def test_variables_of_the_same_name_are_kept_apart(d):
     book = LawBook({"crush_plateau": BOOK["crush_plateau"], "clashing": Clashing})
     force = book["crush_plateau + clashing"].force(d, 0.0, d, ALPHA, DELTA, GAMMA, BETA, SLOPE, 0.0, 0.0, 0.0, 7.0)
     assert force == pytest.approx(plateau(d) + 7.0 * (d + 1.0), rel=1e-12)
+
+
+# ---- side by side, and times a factor ----
+
+RELAXING, TIME = 2e5, 0.02
+
+
+@given(d=deformations, q=st.floats(0.0, 0.3))
+def test_laws_stand_side_by_side(d, q):
+    both = BOOK["crush_plateau | maxwell"]
+    force = both.force(d, 1.0, d, q, ALPHA, DELTA, GAMMA, BETA, SLOPE, 0.0, 0.0, 0.0, RELAXING, TIME)
+    assert force == pytest.approx(plateau(d) + max(0.0, RELAXING * (d - q)), rel=1e-12, abs=1e-6)
+    rate = both.memory_rate(d, 1.0, d, q, ALPHA, DELTA, GAMMA, BETA, SLOPE, 0.0, 0.0, 0.0, RELAXING, TIME)
+    assert rate == pytest.approx((d - q) / TIME)
+    assert both.memory == "dashpot_deformation"
+
+
+def test_what_is_declared_alike_is_one():
+    names = [spec.name for spec in BOOK["crush_plateau | viscous"].parameters]
+    assert names.count("clearance") == 1
+    gap = BOOK["crush_plateau | viscous"].force(0.3, 2.0, 0.3, ALPHA, DELTA, GAMMA, BETA, 0.0, 0.0, 0.1, 0.0, 1e3, 1e-3)
+    assert gap == pytest.approx(plateau(0.2) + 2e3)
+
+
+def test_a_factor_multiplies_one_of_them():
+    law = BOOK["linear_stop * rate_linear | coulomb"]
+    assert law.unit == "N"
+    assert [spec.name for spec in law.parameters] == [
+        "stiffness",
+        "stop_deformation",
+        "rate_slope",
+        "friction_force",
+        "slip_rate",
+    ]
+    force = law.force(0.3, 2.0, 0.3, 1e5, 0.1, 0.5, 3e3, 0.05)
+    assert force == pytest.approx(2.0 * 2e4 + 3e3 * math.tanh(40.0))
+
+
+def test_signs_bind_in_their_order():
+    law = BOOK["coulomb | crush_plateau + peak * rate_linear"]
+    assert [part.name for part in law.parts] == ["coulomb", "crush_plateau", "peak", "rate_linear"]
+    force = law.force(0.01, 1.0, 0.01, 3e3, 0.05, ALPHA, DELTA, GAMMA, BETA, 0.0, 0.0, 0.0, 0.0, P, PEAK, 0.5)
+    assert force == pytest.approx(3e3 * math.tanh(20.0) + 1.5 * (plateau(0.01) + peak(0.01)))
+
+
+def test_what_one_of_them_declares_holds_for_all():
+    assert BOOK["coulomb | brittle"].jumps
+    assert not BOOK["coulomb | smooth_table"].passive
+    assert BOOK["tension_spring * tear"].memory == "damage"
+
+
+NOT_SIDE_BY_SIDE = {
+    "maxwell | bouc_wen": "two memories",
+    "linear_stop | tension_spring": "parameters of one name that mean different things",
+    "crush_plateau | rate_linear": "a factor is no force",
+    "rate_linear * crush_plateau": "a law is no factor",
+    "coulomb * viscous": "a law is no factor",
+    "measured_curve | coulomb": "a law with branches of its own stands alone",
+    "coulomb |viscous": "a sign stands between blanks",
+    "coulomb | ": "nothing is beside it",
+}
+
+
+@pytest.mark.parametrize("name", NOT_SIDE_BY_SIDE, ids=NOT_SIDE_BY_SIDE.values())
+def test_what_cannot_stand_side_by_side_is_refused(name):
+    assert name not in BOOK
+    with pytest.raises(KeyError, match="."):
+        BOOK[name]
+
+
+def test_what_can_stand_side_by_side_is_told_beforehand():
+    assert are_parallel(BOOK["crush_plateau"], BOOK["maxwell"])
+    assert not are_parallel(BOOK["crush_plateau"], BOOK["rate_linear"])
+    assert multiplies(BOOK["crush_plateau"], BOOK["fracture"])
+    assert not multiplies(BOOK["maxwell"], BOOK["tear"])

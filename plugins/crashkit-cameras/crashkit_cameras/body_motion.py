@@ -26,7 +26,7 @@ def body_motion(
         position (time, body, axis), m, and in a plane or space `orientation` (time, body, quaternion) where there is a body
         with enough markers; NaN where too few are visible. If the covariance is known, `position_std` (time, body, axis)
         and `orientation_std` (time, body), rad, the root mean square of the angle by which the orientation is off. The
-        attribute `unknown` lists the bodies whose turning the markers do not tell; these are taken not to turn.
+        attribute `unknown` names the bodies whose turning the markers do not tell; these are taken not to turn.
     """
     axes = instrument["axis"].values.tolist()
     carriers = instrument["marker_body"].values
@@ -47,7 +47,7 @@ def body_motion(
     coordinates = {"time": instrument["time"], "body": bodies, "axis": axes}
     if turning:
         coordinates["quaternion"] = ["w", "x", "y", "z"]
-    return xr.Dataset(variables, coordinates, {"unknown": _unknown(bodies, poses, axes)})
+    return xr.Dataset(variables, coordinates, {"unknown": "; ".join(_unknown(bodies, poses, axes))})
 
 
 def _variable(by_body: Sequence[np.ndarray], dim: str, units: str) -> xr.Variable:

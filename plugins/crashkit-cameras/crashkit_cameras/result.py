@@ -60,7 +60,7 @@ class Calibration:
             then the distortion k1, k2, k3, p1, p2, in units of the focal length; `coefficient_std`, `coefficient_covariance`.
             `camera_position`, `focal_length`, `pixel_aspect`, `skew`, `principal_point`: the cameras.
             `control_residual`, `control_rejected`, `control_std`, `marker_std`, `condition`, `image_coverage`, and
-            `distortion_terms`: how many of the five the readings determine. The attribute `notes` holds the sentences.
+            `distortion_terms`: how many of the five the readings determine. The attribute `notes` holds the notes.
         """
         cameras, std = self.cameras, self.numbers_std()
         by_view = {
@@ -88,7 +88,7 @@ class Calibration:
             "axis": AXES,
             "control_point": list(self.control.names),
         }
-        return xr.Dataset(variables | self._coefficients(), coordinates, {"notes": list(self.notes)})
+        return xr.Dataset(variables | self._coefficients(), coordinates, {"notes": "; ".join(self.notes)})
 
     def numbers_std(self) -> np.ndarray:
         """Standard deviations of the steps of `Cameras.moved`, (view, 16)."""

@@ -48,7 +48,7 @@ def fit_pose(
     """
     visible = np.isfinite(positions).all(axis=2)
     turns = _turns(axes)
-    enough = _spread(points, visible) >= len(axes) - 1
+    enough = visible.any(axis=1) & (_spread(points, visible) >= len(axes) - 1)
     if not enough.any():
         turns, enough = turns[:, :0], visible.any(axis=1)
     visible = visible & enough[:, None]

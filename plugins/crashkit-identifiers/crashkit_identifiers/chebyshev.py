@@ -8,7 +8,6 @@ import xarray as xr
 from attrs import evolve, field, frozen
 
 from crashkit.errors import CrashkitError
-from crashkit.mechanics.joint_track import Track
 from crashkit.mechanics.state_form import StateForm
 from crashkit.misfit import Misfit
 from crashkit.protocols import Identification, Identifier, Problem, Status
@@ -108,8 +107,10 @@ class _LawFit(SameVariables):
         self.misfit = misfit
         forms = [StateForm(misfit.model, laws_of(misfit), known(motion)) for motion in measured.values()]
         self._tracks = [track for form in forms for track in form.tracks]
-        self._wanted = [surfaces[track.law.joint.name].force(*track.state.T[:2]) for track in self._tracks]
-        self._weights = [self._weight(surfaces[track.law.joint.name], track) for track in self._tracks]
+        own = {path: parameter.value for path, parameter in misfit.model.parameters().items()}
+        places = [(surfaces[track.law.joint.name], track.states(own)[:, :2].T) for track in self._tracks]
+        self._wanted = [surface.force(*state) for surface, state in places]
+        self._weights = [surface.is_inside(*state) / surface.size for surface, state in places]
 
     def residual_and_jacobian(self, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Shares, and their derivatives to the search variables."""
@@ -120,8 +121,3 @@ class _LawFit(SameVariables):
             residuals.append((force - wanted) * weight)
             slopes.append(columns * weight[:, None])
         return np.concatenate(residuals), np.concatenate(slopes) * self.scaling(scaled)
-
-    def _weight(self, surface: Surface, track: Track) -> np.ndarray:
-        """0 where the surface was not measured."""
-        size = max(float(np.abs(surface.coefficients).max()), 1e-300)
-        return np.where(surface.is_inside(*track.state.T[:2]), 1.0 / size, 0.0)

@@ -48,6 +48,11 @@ class Surface:
     readings: np.ndarray
     choice: str
 
+    @property
+    def size(self) -> float:
+        """N, of its largest term."""
+        return max(float(np.abs(self.coefficients).max()), 1e-300)
+
     def force(self, deformation: np.ndarray, rate: np.ndarray) -> np.ndarray:
         """N, by states; beyond the corners it is held at its edge."""
         shares = np.clip(_shares(np.column_stack([deformation, rate]), self.low, self.high), -1.0, 1.0)
@@ -117,6 +122,7 @@ def readings_of(misfit: Misfit, measured: Mapping[str, xr.Dataset], per_run: int
     states: dict[str, list[np.ndarray]] = {joint.name: [] for joint in model.joints}
     along: dict[str, list[np.ndarray]] = {joint.name: [] for joint in model.joints}
     loads, stds, runs = [], [], []
+    values = {path: parameter.value for path, parameter in model.parameters().items()}
     for number, motion in enumerate(measured.values()):
         acceleration, std = (motion[name].values[:, rows, 0] for name in ("acceleration", "acceleration_std"))
         keep = _spread(acceleration, std, per_run)
@@ -124,7 +130,7 @@ def readings_of(misfit: Misfit, measured: Mapping[str, xr.Dataset], per_run: int
             push = np.zeros((len(keep), len(model.bodies)))
             for row, unit in track.ends:
                 push[:, row] = unit[keep, 0]
-            states[track.law.joint.name].append(track.state[keep, :2])
+            states[track.law.joint.name].append(track.states(values)[keep, :2])
             along[track.law.joint.name].append(push[:, rows])
         loads.append(masses * acceleration[keep])
         stds.append(masses * np.sqrt(np.mean(std[keep] ** 2, axis=0)))
