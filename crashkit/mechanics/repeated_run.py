@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
-from attrs import frozen
 
 from crashkit.errors import SimulationError
 from crashkit.mechanics.kernel.arrays import START, Floats, Record, Work
@@ -46,7 +45,7 @@ class RepeatedRun:
         self._is_structural = any(name != "parameters" for name, _ in self._places)
         self._instants = with_knots(times, self._layout)
         self._rows = np.searchsorted(self._instants, times)
-        self._arrays: dict[bool, _Arrays] = {}
+        self._arrays: dict[bool, tuple[Work, Work, Record]] = {}
 
     def record(self, values: Floats, sensitivities: bool = False) -> Record:
         """The run at these values of `paths`; its arrays are overwritten by the next one.
@@ -75,17 +74,17 @@ class RepeatedRun:
         axes, bodies = self._layout.axes, self._layout.bodies
         if quantity not in BY_BODY or axis not in axes:
             return None
-        dof, (work, _) = DOF[len(axes)], self._begin(False)
-        velocities, size = dof * len(bodies), work.state.shape[1] // 2
-        starts = (0, velocities, size + velocities, 2 * size + 3 * work.joints.size)
+        dof = DOF[len(axes)]
+        velocities = dof * len(bodies)
+        size = 2 * velocities + sum(bool(function.law.memory) for own in self._layout.functions for function in own)
+        starts = (0, velocities, size + velocities, 2 * size + 3 * len(self._layout.joints))
         return starts[BY_BODY.index(quantity)] + dof * bodies.index(body) + axes.index(axis)
 
     def _begin(self, sensitivities: bool) -> tuple[Work, Record]:
         """The arrays as they are at t = 0."""
         if sensitivities not in self._arrays:
             self._arrays[sensitivities] = self._prepared(self.paths if sensitivities else ())
-            return self._arrays[sensitivities].work, self._arrays[sensitivities].record
-        work, first, record = (known := self._arrays[sensitivities]).work, known.first, known.record
+        work, first, record = self._arrays[sensitivities]
         for array, start in zip(work, first, strict=True):
             if array is not work.parameters:
                 array[...] = start
@@ -93,10 +92,11 @@ class RepeatedRun:
             self._renew(work)
         return work, record
 
-    def _prepared(self, paths: tuple[str, ...]) -> "_Arrays":
+    def _prepared(self, paths: tuple[str, ...]) -> tuple[Work, Work, Record]:
+        """The arrays of the kernel, a copy of them at t = 0, and room for the results."""
         work = work_of(self._layout, self._simulator.engine, paths)
         first = Work(*(array.copy() for array in work))
-        return _Arrays(work, first, record_of(work, len(self._layout.axes), self._instants.size))
+        return work, first, record_of(work, len(self._layout.axes), self._instants.size)
 
     def _renew(self, work: Work) -> None:
         """Masses, inertia, lengths, points and the initial state."""
@@ -107,11 +107,3 @@ class RepeatedRun:
             work.joints[name] = joints[name]
         work.state[START, : self._layout.start.size] = self._layout.start.ravel()
 
-
-@frozen(eq=False)
-class _Arrays:
-    """Those of the kernel, a copy of them at t = 0, and room for the results."""
-
-    work: Work
-    first: Work
-    record: Record

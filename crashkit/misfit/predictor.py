@@ -140,7 +140,8 @@ def initial_state(recording: xr.DataTree, model: Model) -> xr.Dataset | None:
     if node is None:
         return None
     state = node.to_dataset(inherit=False)
-    carried = [b for b in model.bodies if b.carrier in state["body"].values and b.name not in state["body"].values]
+    known = state.variables["body"].values.tolist()
+    carried = [body for body in model.bodies if body.carrier in known and body.name not in known]
     loads = [state.sel(body=[b.carrier]).assign_coords(body=[b.name]) for b in carried]
     return xr.concat([state, *loads], dim="body") if loads else state
 

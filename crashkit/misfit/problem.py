@@ -80,7 +80,8 @@ class Misfit:
     def parameters(self, scaled: np.ndarray) -> np.ndarray:
         """The parameters in their own units."""
         values = np.array(scaled, dtype=float)
-        values[self._log] = np.exp(values[self._log])
+        with np.errstate(over="ignore"):  # an interval that is open has no end
+            values[self._log] = np.exp(values[self._log])
         return values
 
     def scaling(self, scaled: np.ndarray) -> np.ndarray:

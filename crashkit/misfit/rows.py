@@ -29,7 +29,7 @@ class Rows:
         """Its derivatives, (row, parameter)."""
         sensitivity = prediction.sensitivity
         assert sensitivity is not None  # asked for by the only caller
-        return sensitivity.reshape(-1, sensitivity.shape[2])[self.kept] * -self.weights[:, None]
+        return sensitivity.reshape(len(sensitivity) * sensitivity.shape[1], sensitivity.shape[2])[self.kept] * -self.weights[:, None]
 
 
 def rows_of(group: Group) -> Rows:

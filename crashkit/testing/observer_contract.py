@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from crashkit.protocols import Observer, ParameterSpec
 
-STEP = 1e-3  # of a number whose size is not known
+STEP = 1e-4  # of a number whose size is not known
 SPACE = ("time", "body", "axis")
 
 
@@ -213,7 +213,7 @@ def _shared(reconstructed: xr.Dataset, motion: xr.Dataset) -> list[str]:
 
 
 def _error(name: str, reconstructed: xr.Dataset, motion: xr.Dataset) -> np.ndarray:
-    """Reconstructed less true, at the reconstruction's times, (time, body, axis); of an orientation, the rotation vector."""
+    """Reconstructed less true, at the reconstruction's own times, (time, body, axis); of an orientation, the rotation vector."""
     found = reconstructed[name].transpose("time", "body", ...)
     true = motion[name].sel(body=reconstructed["body"]).interp(time=reconstructed["time"]).transpose(*found.dims)
     if name != "orientation":

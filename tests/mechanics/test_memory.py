@@ -50,25 +50,6 @@ def test_the_sensitivities_of_maxwell(simulator, maxwell):
     np.testing.assert_allclose(motion["deformation_sensitivity"].values[:, 0], expected, atol=1e-8)
 
 
-def test_maxwell_that_only_pushes_lets_go(simulator, against_wall):
-    """The force has vanished before the deformation has; from then on the mass flies."""
-    model = against_wall("maxwell", {"relaxing_stiffness": K, "relaxation_time": TAU}, mass=MASS, speed=SPEED)
-    motion = simulator(model).run(TIMES, sensitivities=PATHS, step=STEP)
-
-    def way(t, k, tau, m, v):
-        gone = mp.findroot(lambda s: mp.diff(lambda r: relaxed(r, k, tau, m, v), s, 2), mp.mpf("1.2"))
-        if t < gone:
-            return relaxed(t, k, tau, m, v)
-        return relaxed(gone, k, tau, m, v) + (t - gone) * mp.diff(lambda r: relaxed(r, k, tau, m, v), gone)
-
-    with mp.workdps(20):
-        expected = [float(way(mp.mpf(t), K, TAU, MASS, SPEED)) for t in TIMES]
-    np.testing.assert_allclose(motion["deformation"].values[:, 0], expected, atol=1e-10)
-    assert motion["force"].values[-1, 0] == 0.0 < motion["deformation"].values[-1, 0]
-    last = motion["deformation_sensitivity"].values[-1, 0]
-    np.testing.assert_allclose(last, derivatives(way, TIMES[-1], [K, TAU, MASS, SPEED]), atol=1e-8)
-
-
 def test_a_gap_delays_the_relaxation(simulator, against_wall):
     near = {"relaxing_stiffness": K, "relaxation_time": TAU}
     late, early = (simulator(against_wall("maxwell", near | {"clearance": gap})) for gap in (0.5, 0.0))

@@ -11,8 +11,8 @@ USUAL = 0.3
 """pixel; what reading an image usually is good for."""
 SPREAD = 1.0
 """Standard deviation of the logarithm of the noise about that, before anything is measured."""
-LIKENESS = 10.0
-"""How many readings of a view's own weigh as much as those of all views together."""
+LIKENESS = 0.5
+"""Standard deviation of the logarithm of a view's noise about that of all views."""
 MEDIAN = 2.0 * np.log(2.0)
 """Of the square of two normal errors of variance 1."""
 FAR = 25.0
@@ -50,16 +50,17 @@ def updated_std(estimate: Estimate, readings: Readings, expectation: Expectation
     wrong, left = blunders(estimate, readings, expectation)
     square = (readings.residuals(estimate.cameras, estimate.points) ** 2).sum(axis=2) * readings.std**2
     square, left = np.where(wrong, 0.0, square), np.where(wrong, 0.0, left)
-    common = _most_probable(square[:, control].sum(), left[:, control].sum(), USUAL)
-    sums = square[:, control].sum(axis=1) + LIKENESS * common**2
-    view_std = np.sqrt(sums / (left[:, control].sum(axis=1) + LIKENESS))[:, None]
+    sums = list(zip(square[:, control].sum(axis=1), left[:, control].sum(axis=1), strict=True))
+    alone = [_most_probable(total, count, USUAL, SPREAD) for total, count in sums]
+    common = float(np.exp(np.mean(np.log(alone))))
+    view_std = np.array([_most_probable(total, count, common, LIKENESS) for total, count in sums])[:, None]
     relative = square[:, ~control] / view_std**2
-    multiple = _most_probable(relative.sum(), left[:, ~control].sum(), 1.0)
+    multiple = _most_probable(relative.sum(), left[:, ~control].sum(), 1.0, SPREAD)
     return np.maximum(np.where(control, view_std, multiple * view_std), LEAST)
 
 
-def _most_probable(square: float, count: float, usual: float) -> float:
-    """The standard deviation from a sum of squares of so many readings, and what is usual."""
+def _most_probable(square: float, count: float, usual: float, spread: float) -> float:
+    """The standard deviation from a sum of squares of so many readings, and from what is usual."""
 
     def slope(logarithm: float) -> float:
         return float(count - square * np.exp(-2.0 * logarithm) + (logarithm - np.log(usual)) / SPREAD**2)

@@ -94,11 +94,6 @@ def test_a_body_is_seen_while_one_of_its_markers_is() -> None:
     np.testing.assert_allclose(np.delete(car, 5), np.delete(-2 + 0.5 * np.sin(25 * times), 5))
 
 
-def test_the_mean_of_two_markers_has_less_noise() -> None:
-    std = Film().reconstruct(film_at(np.linspace(0, 0.1, 11)))["position_std"]
-    np.testing.assert_allclose(std.sel(body=["engine", "car"]), [1e-3, np.hypot(1e-3, 2e-3) / 2])
-
-
 def test_a_body_that_the_motion_lacks_is_named() -> None:
     film = film_at(np.array([0.0, 0.1]))
     film["marker_body"] = ("marker", ["engine", "trailer", "car"])

@@ -83,33 +83,33 @@ def best_fit(spline: PenalisedSpline, count: float, score: Score, near: float | 
     leaves the roughest wave to the one that leaves none. A score may have several valleys, so the whole range is looked at,
     unless it is known which smoothing the best one is near.
     """
-    waves, size = 2 * spline.order, float(len(spline.right))
-    least = np.log10(0.1 * spline.mass) - waves * np.log10(np.pi * size)
+    waves, count_of_knots = 2 * spline.order, float(len(spline.right))
+    least = np.log10(0.1 * spline.mass) - waves * np.log10(np.pi * count_of_knots)
     none_left = np.log10(1e3 * spline.mass) - waves * np.log10(np.pi)
-    most = min(none_left, np.log10(CONDITION[spline.order] * spline.mass) - waves * np.log10(size))
-    candidates = np.linspace(most, least, int((most - least) / STEP) + 2)  # of equals the smoothest is best
+    most = min(none_left, np.log10(CONDITION[spline.order] * spline.mass) - waves * np.log10(count_of_knots))
+    candidates = np.linspace(least, most, int((most - least) / STEP) + 2)
     tried = cache(partial(_tried, spline, count, score))
     if near is not None:
         close = candidates[np.abs(candidates - np.log10(near)) < NEAR]
-        if len(close) and 0 < np.argmin([tried(candidate) for candidate in close]) < len(close) - 1:
+        scores = [tried(candidate)[1] for candidate in close]
+        if scores and 0 < np.argmin(scores) < len(scores) - 1:
             candidates = close
-    best = int(np.argmin([tried(candidate) for candidate in candidates]))
-    chosen = _golden(tried, candidates[min(best + 1, len(candidates) - 1)], candidates[max(best - 1, 0)])
-    return spline.with_smoothing(10.0**chosen), tried(chosen)
+    best = int(np.argmin([tried(candidate)[1] for candidate in candidates]))
+    return _golden(tried, candidates[max(best - 1, 0)], candidates[min(best + 1, len(candidates) - 1)])
 
 
-def _tried(spline: PenalisedSpline, count: float, score: Score, logarithm: float) -> float:
+def _tried(spline: PenalisedSpline, count: float, score: Score, logarithm: float) -> tuple[Fit, float]:
     fit = spline.with_smoothing(10.0**logarithm)
     in_range = 0.0 < fit.freedom <= MOST_FREEDOM * count
-    return score(count, fit.residual, fit.freedom) if in_range else np.inf
+    return fit, score(count, fit.residual, fit.freedom) if in_range else np.inf
 
 
-def _golden(tried: Callable[[float], float], low: float, high: float) -> float:
-    """Where between two logarithms the score is least, by golden section."""
+def _golden(tried: Callable[[float], tuple[Fit, float]], low: float, high: float) -> tuple[Fit, float]:
+    """The least between two logarithms, by golden section."""
     left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
     for _ in range(NARROWED):
-        if tried(left) < tried(right):
+        if tried(left)[1] < tried(right)[1]:
             high, right, left = right, left, right - GOLDEN * (right - low)
         else:
             low, left, right = left, right, left + GOLDEN * (high - left)
-    return min(right, left, key=tried)
+    return min(tried(left), tried(right), key=lambda pair: pair[1])

@@ -22,8 +22,6 @@ WIDEST = 0.05
 """Of the duration, the reach of a search about a peak."""
 PRECISION = 0.02
 """Of that reach."""
-PROHIBITIVE = 1e6
-"""Deviance of contacts without room between them."""
 
 
 def has_room(x: np.ndarray, contacts: tuple[float, ...], order: int) -> bool:
@@ -49,36 +47,32 @@ def fit_with_contacts_found(reading: Reading, recipe: Recipe) -> SplineFit:
 
 
 def _with_one_more(reading: Reading, recipe: Recipe, best: SplineFit) -> SplineFit | None:
-    """The best of the fits with one more contact, all that were found settled; None where there is no room for it."""
+    """The best of the fits with one more contact, all of them settled; None where there is no room for it."""
+    order = recipe.order
     x = reading.x[reading.present]
     reach = min(1.0 / best.fit.freedom, WIDEST)
 
-    def with_contacts(*found: float) -> Recipe:
-        return evolve(recipe, contacts=tuple(sorted((*recipe.contacts, *found))), local=False)
+    def fitted(contacts: tuple[float, ...]) -> SplineFit:
+        return fit_spline(reading, evolve(recipe, contacts=tuple(sorted(contacts)), local=False), best)
 
-    def score(*found: float) -> float:
-        tried = with_contacts(*found)
-        return (
-            fit_spline(reading, tried, best).score if has_room(x, tried.contacts, recipe.order) else best.score + PROHIBITIVE
-        )
+    def score(contacts: tuple[float, ...]) -> float:
+        return fitted(contacts).score if has_room(x, tuple(sorted(contacts)), order) else np.inf
 
-    found = tuple(contact for contact in best.contacts if contact not in recipe.contacts)
-    peaks = _peaks(best, reach)
+    peaks = [peak for peak in _peaks(best, reach) if has_room(x, tuple(sorted((*best.contacts, peak))), order)]
     if not peaks:
         return None
-    found = (min(peaks, key=lambda peak: score(peak, *found)), *found)
-    for _ in found:
-        place, *others = found
-        found = (*others, _settled(partial(score, *others), place, reach))
-    return (
-        fit_spline(reading, with_contacts(*found), best) if has_room(x, with_contacts(*found).contacts, recipe.order) else None
-    )
+    contacts = (min(peaks, key=lambda peak: score((*best.contacts, peak))), *best.contacts)
+    for _ in contacts:
+        place, *others = contacts
+        bounds = (place - 0.5 * reach, place + 0.5 * reach)
+        moved = partial(_moved, score, tuple(others))
+        settled = minimize_scalar(moved, bounds=bounds, method="bounded", options={"xatol": PRECISION * reach})
+        contacts = (*others, float(settled.x) if settled.fun < np.inf else place)
+    return fitted(contacts)
 
 
-def _settled(score: Callable[[float], float], place: float, reach: float) -> float:
-    """Where the score is least near a place."""
-    bounds = (place - 0.5 * reach, place + 0.5 * reach)
-    return float(minimize_scalar(score, bounds=bounds, method="bounded", options={"xatol": PRECISION * reach}).x)
+def _moved(score: Callable[[tuple[float, ...]], float], others: tuple[float, ...], place: float) -> float:
+    return score((place, *others))
 
 
 def _peaks(best: SplineFit, reach: float) -> list[float]:

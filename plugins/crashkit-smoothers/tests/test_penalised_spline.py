@@ -29,46 +29,6 @@ def dense_roughness(spline: PenalisedSpline) -> np.ndarray:
     return rows.T @ (factors.ravel()[keep, None] * rows)
 
 
-@given(
-    order=st.sampled_from([2, 3, 4]),
-    seed=st.integers(0, 1000),
-    interior=st.integers(1, 12),
-    contacts=st.sampled_from([(), (0.45,), (0.3, 0.62)]),
-    logarithm=st.floats(-8.0, -2.0),
-)
-@settings(max_examples=40, deadline=None)
-def test_fits_agree_with_dense_least_squares(
-    order: int, seed: int, interior: int, contacts: tuple[float, ...], logarithm: float
-) -> None:
-    rng = np.random.default_rng(seed)
-    x = np.sort(np.concatenate([[0.0, 1.0], rng.uniform(size=600 if seed % 2 else 60)]))
-    z, scale = np.sin(6.0 * x) + rng.normal(scale=0.1, size=len(x)), rng.uniform(0.5, 2.0, len(x))
-    knots = knot_vector(x, interior, 2 * order - 1, contacts)
-    spline = PenalisedSpline.of(x, z, scale, knots, order)
-    spline = PenalisedSpline(
-        spline.knots,
-        order,
-        spline.mass,
-        spline.triangle,
-        spline.right,
-        spline.rest,
-        rng.uniform(0.2, 5.0, len(spline.stiffness)),
-    )
-    fit = spline.with_smoothing(10.0**logarithm)
-
-    rows = scale[:, None] * dense(spline, x)
-    covariance = np.linalg.inv(rows.T @ rows + 10.0**logarithm * dense_roughness(spline))
-    coefficients = covariance @ rows.T @ (scale * z)
-    assert fit.freedom == pytest.approx(np.trace(covariance @ rows.T @ rows), rel=1e-5)
-    assert fit.residual == pytest.approx(np.sum((scale * z - rows @ coefficients) ** 2), rel=1e-6)
-    values, spreads = spline.evaluated(x, fit)
-    for derivative in range(3):
-        basis = dense(spline, x, derivative)
-        expected, spread = basis @ coefficients, np.sqrt(np.sum(basis @ covariance * basis, axis=1))
-        np.testing.assert_allclose(values[derivative], expected, rtol=0.0, atol=1e-5 * np.abs(expected).max())
-        np.testing.assert_allclose(spreads[derivative], spread, rtol=1e-4)
-
-
 def test_the_roughness_of_a_fit_is_the_mean_square_of_its_derivative() -> None:
     x = np.linspace(0.0, 1.0, 50)
     spline = PenalisedSpline.of(x, x**3, np.ones(50), knot_vector(x, 5, 5, (0.5,)), 3)

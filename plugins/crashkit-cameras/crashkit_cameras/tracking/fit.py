@@ -199,7 +199,7 @@ class _Problem:
         u, v = self.patch.u - self.patch.u.min(), self.patch.v - self.patch.v.min()
         outliers = np.zeros((v.max() + 1, u.max() + 1), dtype=bool)
         outliers[v, u] = far
-        return ~binary_dilation(outliers, iterations=3)[v, u]
+        return ~binary_dilation(outliers)[v, u]
 
     def converge(self, state: _State, used: np.ndarray, act=None, tau=None) -> _State | None:
         """Least squares on some of the pixels; None where it does not come to rest."""
