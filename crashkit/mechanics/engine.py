@@ -30,6 +30,7 @@ from crashkit.mechanics.kernel.arrays import *
 from numba import njit, types
 
 compiled = njit(nogil=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+inlined = njit(nogil=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True)
 
 
 @compiled

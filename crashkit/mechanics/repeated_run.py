@@ -106,4 +106,3 @@ class RepeatedRun:
         for name in ("rest", "places"):
             work.joints[name] = joints[name]
         work.state[START, : self._layout.start.size] = self._layout.start.ravel()
-

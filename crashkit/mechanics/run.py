@@ -139,6 +139,7 @@ def joints_of(layout: Layout) -> Records:
         ends = layout.start[..., 0, layout.ends, 0] + layout.points[..., 0]
         joints["places"][..., 6] = np.where(ends[..., 1] < ends[..., 0], -1.0, 1.0)
     joints["point_columns"] = -1
+    joints["moves_points"] = 0
     joints["rest"] = layout.free_lengths
     joints["start"], joints["stop"] = bounds[:-1], bounds[1:]
     return joints
@@ -173,5 +174,6 @@ def _seed(layout: Layout, work: Work, path: str, column: int) -> None:
             work.joint_tangent[joint, REST, column] = 1.0
         case "points", (joint, end, axis):
             work.joints["point_columns"][joint, len(layout.axes) * end + axis] = column
+            work.joints["moves_points"][joint] = 1
         case _, (row, body, k):
             work.tangent[START, dof * (bodies * row + body) + k, column] = row == 0 or np.isfinite(layout.masses[body])

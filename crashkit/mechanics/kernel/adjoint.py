@@ -16,9 +16,8 @@ from crashkit.mechanics.kernel.arrays import END, START, TO_D, TO_D_MAX, TO_MEMO
 from crashkit.mechanics.kernel.forces import accelerate, add_given, begin_forces, kinematics, push
 from crashkit.mechanics.kernel.line import (
     AXES,
-    CURVED,
     DOF,
-    curve,
+    bend_adjoint,
     locate,
     rates_adjoint,
     respond_adjoint,
@@ -100,19 +99,17 @@ def joint_adjoint(
             rate_bar += to_rate
             own[0] += 0.0 if joint.loading else to_d_max
     own[1] += d_bar
-    for k in range(2 * DOF + 2 * AXES):
-        back = d_bar * joint.gradient[k]
-        if CURVED:
-            for i in range(DOF):
-                first, second = joint.hessian[i, k], joint.hessian[DOF + i, k]
-                back += rate_bar * (first * state[row, n + a + i] + second * state[row, n + b + i])
-                back -= force * (load[a + i] * first + load[b + i] * second)
-        if k < 2 * DOF:
-            place = a + k if k < DOF else b + k - DOF
-            lam[place] += back
-            lam[n + place] += rate_bar * joint.gradient[k]
-        else:
-            own[2 + k - 2 * DOF] += back
+    for i in range(DOF):
+        joint.along[i] = rate_bar * state[row, n + a + i] - force * load[a + i]
+        joint.along[DOF + i] = rate_bar * state[row, n + b + i] - force * load[b + i]
+        lam[n + a + i] += rate_bar * joint.gradient[i]
+        lam[n + b + i] += rate_bar * joint.gradient[DOF + i]
+    bend_adjoint(bodies, joint)
+    for i in range(DOF):
+        lam[a + i] += d_bar * joint.gradient[i] + joint.bend[i]
+        lam[b + i] += d_bar * joint.gradient[DOF + i] + joint.bend[DOF + i]
+    for m in range(2 * AXES):
+        own[2 + m] += d_bar * joint.gradient[2 * DOF + m] + joint.bend[2 * DOF + m]
 
 
 @compiled
@@ -144,8 +141,6 @@ def accelerate_adjoint(
     begin_forces(bodies, state, row)
     for joint in joints:
         kinematics(bodies, joint, state, row)
-        if CURVED:
-            curve(bodies, joint, state, row)
         force = joint_partials(joint, functions, parameters, partials, state, row)[0]
         push(bodies, joint, force)
     add_given(bodies, given, t, piece)

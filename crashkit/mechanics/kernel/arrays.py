@@ -50,6 +50,7 @@ JOINT = np.dtype(
             (9,),
         ),  # m, the attachments in their bodies' frames and the normal of the face, three numbers each
         ("point_columns", np.int64, (6,)),  # the columns that are coordinates of the attachments, the axes of the model, or -1
+        ("moves_points", np.int64),  # 1 where one of them is a column
         ("aim", np.float64, (3,)),  # direction at the end of the last step; 0 before the first
         ("rest", np.float64),  # m, distance at which the deformation is 0
         ("start", np.int64),  # its functions: the first is its law, the others are factors
@@ -60,8 +61,9 @@ JOINT = np.dtype(
         ("d_max", np.float64),  # m, largest deformation; out of date while the joint is loaded further
         ("loading", np.int64),  # 1 while the joint is loaded beyond its largest deformation, so that d_max is d itself
         ("gradient", np.float64, (18,)),  # of the deformation to the positions of its bodies, then to its attachments
-        ("hessian", np.float64, (12, 18)),  # of the deformation: derivatives of the first part of the gradient
-        ("bend", np.float64, (18,)),  # derivatives of the deformation rate to what the gradient is to
+        ("shape", np.float64, (8,)),  # what the geometry keeps of its position for derivatives
+        ("along", np.float64, (12,)),  # a motion of its two bodies, and
+        ("bend", np.float64, (18,)),  # how the gradient changes along it
     ],
     align=True,
 )

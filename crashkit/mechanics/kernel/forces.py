@@ -5,7 +5,7 @@ import math
 
 from crashkit.mechanics.kernel.arrays import JOINTS, NONE, TOTAL
 from crashkit.mechanics.kernel.line import DOF, locate, measure, rates, respond
-from crashkit.mechanics.kernel.stand_ins import compiled, law_frozen
+from crashkit.mechanics.kernel.stand_ins import compiled, inlined, law_frozen
 
 # ---- compiled from here ----
 
@@ -13,7 +13,7 @@ ROUNDING = 1e-13
 """m and m s-1, by which a joint may seem to turn round only because of rounding: bodies that move alike, for example."""
 
 
-@compiled
+@inlined
 def kinematics(bodies, joint, state, row):
     """Deformation and rate of a joint, whose gradient is taken anew."""
     n = DOF * bodies.size
@@ -27,7 +27,7 @@ def kinematics(bodies, joint, state, row):
     return d, ddot
 
 
-@compiled
+@inlined
 def joint_force(joint, functions, parameters, state, row, d, ddot):
     """Force of a joint on its frozen branches, and its smallest guard; the rates of its memories go to the state."""
     size = state.shape[1] // 2
@@ -50,7 +50,7 @@ def joint_force(joint, functions, parameters, state, row, d, ddot):
     return force, guard
 
 
-@compiled
+@inlined
 def begin_forces(bodies, state, row):
     """Turn the frames to a stage and take all forces away."""
     locate(bodies, state, row)
@@ -59,7 +59,7 @@ def begin_forces(bodies, state, row):
             body.net[JOINTS, i] = 0.0
 
 
-@compiled
+@inlined
 def push(bodies, joint, force):
     """Put the force of a joint on its bodies."""
     joint.force = force
@@ -68,7 +68,7 @@ def push(bodies, joint, force):
         bodies[joint.second].net[JOINTS, i] -= force * joint.gradient[DOF + i]
 
 
-@compiled
+@inlined
 def add_given(bodies, given, t, piece):
     """Add the forces that are given to those of the joints."""
     n, since = DOF * bodies.size, t - given[piece, 0]

@@ -1,8 +1,8 @@
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
 """The geometry of one axis: a joint keeps the direction that it has at t = 0."""
 
-from crashkit.mechanics.kernel.arrays import TOTAL
-from crashkit.mechanics.kernel.stand_ins import compiled
+from crashkit.mechanics.kernel.arrays import D_MAX, DEFORMATION, FORCE, RATE, REST, TOTAL
+from crashkit.mechanics.kernel.stand_ins import compiled, inlined
 
 # ---- compiled from here ----
 
@@ -11,7 +11,7 @@ CURVED = False
 """Whether the direction of a joint changes with the positions."""
 
 
-@compiled
+@inlined
 def locate(bodies, state, row):
     """Turn the bodies' frames to a stage: none turns."""
 
@@ -21,7 +21,7 @@ def settle(bodies, state):
     """Make the end of a step the origin of rotations."""
 
 
-@compiled
+@inlined
 def measure(bodies, joint, state, row):
     """The distance of a joint's ends, and the gradient of its deformation."""
     side = joint.places[6]
@@ -33,8 +33,37 @@ def measure(bodies, joint, state, row):
 
 
 @compiled
-def curve(bodies, joint, state, row):
-    """The derivatives of the gradient: none."""
+def bend(bodies, joint):
+    """How the gradient changes along a motion of the two bodies: not at all."""
+
+
+@compiled
+def bend_adjoint(bodies, joint):
+    """The transpose of `bend`."""
+
+
+@compiled
+def bend_to_point(bodies, joint, m):
+    """How the gradient changes with a coordinate of an attachment: not at all."""
+
+
+@inlined
+def push_tangent(joint, state, tangent, own, net_tangent, row, force, to_d, to_rate, to_d_max):
+    """Derivatives of a joint's deformation, rate, force and part of the net forces through the motion of its bodies.
+
+    Arguments:
+        force, to_d, to_rate, to_d_max: the joint's, and its derivatives.
+    """
+    n, a, b, side = net_tangent.shape[0], joint.first, joint.second, joint.gradient[0]
+    for c in range(tangent.shape[2]):
+        d = own[REST, c] + side * (tangent[row, a, c] - tangent[row, b, c])
+        rate = side * (tangent[row, n + a, c] - tangent[row, n + b, c])
+        pushed = to_d * d + to_rate * rate + to_d_max * own[D_MAX, c]
+        own[DEFORMATION, c] = d
+        own[RATE, c] = rate
+        own[FORCE, c] = pushed
+        net_tangent[a, c] -= side * pushed
+        net_tangent[b, c] += side * pushed
 
 
 @compiled
@@ -47,32 +76,7 @@ def to_rotations_adjoint(bodies, state, backward, chart):
     """The adjoint of `to_rotations`."""
 
 
-@compiled
-def gradient_row(joint):
-    """The gradient to the positions."""
-    return joint.gradient[0], joint.gradient[1]
-
-
-@compiled
-def bend_row(joint):
-    """The derivatives of the deformation rate to the positions."""
-    return joint.bend[0], joint.bend[1]
-
-
-@compiled
-def hessian_row(joint, i, factor):
-    """A row of the Hessian to the positions, times a factor."""
-    return factor * joint.hessian[i, 0], factor * joint.hessian[i, 1]
-
-
-@compiled
-def add_columns(w, tangent, row, a, b, out, place):
-    """Add the weighted derivatives of the coordinates from a and from b on to a row of `out`."""
-    for c in range(out.shape[1]):
-        out[place, c] += w[0] * tangent[row, a, c] + w[1] * tangent[row, b, c]
-
-
-@compiled
+@inlined
 def rates(bodies, state, row):
     """The derivatives of the positions."""
     size = state.shape[1] // 2
@@ -80,16 +84,15 @@ def rates(bodies, state, row):
         state[row, size + i] = state[row, bodies.size + i]
 
 
-@compiled
-def rates_tangent(bodies, state, tangent, row):
+@inlined
+def rates_tangent(bodies, state, tangent, rows, row):
     """The derivatives of `rates` to the columns."""
-    size = state.shape[1] // 2
-    for i in range(bodies.size):
-        for c in range(tangent.shape[2]):
-            tangent[row, size + i, c] = tangent[row, bodies.size + i, c]
+    half, n = rows.shape[1] // 2, DOF * bodies.size * tangent.shape[2]
+    for i in range(n):
+        rows[row, half + i] = rows[row, n + i]
 
 
-@compiled
+@inlined
 def respond(bodies, state, row):
     """The accelerations under their forces."""
     first = state.shape[1] // 2 + bodies.size
@@ -97,7 +100,7 @@ def respond(bodies, state, row):
         state[row, first + i] = bodies[i].inverse_mass * bodies[i].net[TOTAL, 0]
 
 
-@compiled
+@inlined
 def respond_tangent(bodies, net_tangent, state, tangent, row):
     """The derivatives of `respond` to the columns."""
     first = state.shape[1] // 2 + bodies.size

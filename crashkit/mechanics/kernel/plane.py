@@ -8,8 +8,8 @@ arms from the centres of mass to where the force acts, the gradient of the defor
 
 import math
 
-from crashkit.mechanics.kernel.arrays import TOTAL
-from crashkit.mechanics.kernel.stand_ins import compiled
+from crashkit.mechanics.kernel.arrays import D_MAX, DEFORMATION, FORCE, RATE, REST, TOTAL
+from crashkit.mechanics.kernel.stand_ins import compiled, inlined
 
 # ---- compiled from here ----
 
@@ -18,7 +18,7 @@ CURVED = True
 """Whether the direction of a joint changes with the positions."""
 
 
-@compiled
+@inlined
 def locate(bodies, state, row):
     """Turn the bodies' frames to a stage."""
     for body in range(bodies.size):
@@ -31,16 +31,16 @@ def settle(bodies, state):
     """Make the end of a step the origin of rotations: an angle needs none."""
 
 
-@compiled
+@inlined
 def arm(body, px, py):
     """A point of a body, from its centre of mass, in the laboratory frame."""
     c, s = body.frame[0], body.frame[1]
     return c * px - s * py, s * px + c * py
 
 
-@compiled
-def direction(bodies, joint, state, row):
-    """The direction in which a joint pushes, the distance of its ends, and the arms to where it pushes."""
+@inlined
+def measure(bodies, joint, state, row):
+    """The distance of a joint's ends, and the gradient of its deformation; `shape` keeps what its derivatives need."""
     a, b = joint.first, joint.second
     ax, ay = arm(bodies[a], joint.places[0], joint.places[1])
     bx, by = arm(bodies[b], joint.places[3], joint.places[4])
@@ -48,71 +48,123 @@ def direction(bodies, joint, state, row):
     dy = state[row, 3 * b + 1] + by - state[row, 3 * a + 1] - ay
     if joint.face:
         nx, ny = arm(bodies[a], joint.places[6], joint.places[7])
-        return nx, ny, nx * dx + ny * dy, ax + dx, ay + dy, bx, by
-    length = math.sqrt(dx * dx + dy * dy)
-    return dx / length, dy / length, length, ax, ay, bx, by
-
-
-@compiled
-def measure(bodies, joint, state, row):
-    """The distance of a joint's ends, and the gradient of its deformation."""
-    nx, ny, length, ax, ay, bx, by = direction(bodies, joint, state, row)
+        length = nx * dx + ny * dy
+        ax += dx
+        ay += dy
+    else:
+        length = math.sqrt(dx * dx + dy * dy)
+        nx, ny = dx / length, dy / length
     joint.gradient[0] = nx
     joint.gradient[1] = ny
     joint.gradient[2] = ax * ny - ay * nx
     joint.gradient[3] = -nx
     joint.gradient[4] = -ny
     joint.gradient[5] = by * nx - bx * ny
-    ca, sa = bodies[joint.first].frame[0], bodies[joint.first].frame[1]
-    cb, sb = bodies[joint.second].frame[0], bodies[joint.second].frame[1]
+    ca, sa = bodies[a].frame[0], bodies[a].frame[1]
+    cb, sb = bodies[b].frame[0], bodies[b].frame[1]
     joint.gradient[6] = ca * nx + sa * ny
     joint.gradient[7] = ca * ny - sa * nx
     joint.gradient[8] = -cb * nx - sb * ny
     joint.gradient[9] = sb * nx - cb * ny
+    joint.shape[0] = nx * ax + ny * ay
+    joint.shape[1] = nx * bx + ny * by
+    joint.shape[2] = 1.0 / length
     return length
 
 
-@compiled
-def curve(bodies, joint, state, row):
-    """The derivatives of the gradient to the displacements of the two bodies and to the two attachments.
+@inlined
+def turn(face, nx, ny, along_a, along_b, inverse, ax, ay, turn_a, bx, by, turn_b):
+    """How a joint's direction turns, and its two moments per unit of force change, along a motion of its bodies.
 
-    With t across n, a line's are -T T' / length with T = (t, n r_a, -t, -n r_b), and what the arms add as they turn.
+    Arguments:
+        along_a, along_b: of the arms, along n; `inverse` of its length.
+        ax, ay, turn_a, bx, by, turn_b: the motion.
     """
-    nx, ny, length, ax, ay, bx, by = direction(bodies, joint, state, row)
-    along_a, along_b = nx * ax + ny * ay, nx * bx + ny * by
-    hessian = joint.hessian
-    for k in range(10):
-        for i in range(6):
-            hessian[i, k] = 0.0
-    across = (-ny, nx, along_a, ny, -nx, -along_b)
-    if joint.face:
-        for i in range(6):
-            hessian[i, 2] = across[i]
-            hessian[2, i] = across[i]
-    else:
-        for i in range(6):
-            for k in range(6):
-                hessian[i, k] = -across[i] * across[k] / length
-        hessian[2, 2] -= along_a
-    hessian[5, 5] += along_b
-    for m in range(4):
-        curve_to_point(bodies, joint, m, nx, ny, length, across)
+    across = nx * (by - ay) - ny * (bx - ax) + along_b * turn_b - along_a * turn_a
+    if face:
+        return turn_a, -across, along_b * (turn_b - turn_a)
+    turned = inverse * across
+    return turned, along_a * (turned - turn_a), along_b * (turn_b - turned)
 
 
 @compiled
-def curve_to_point(bodies, joint, m, nx, ny, length, across):
-    """The derivatives of the gradient to a coordinate of an attachment."""
-    end, axis = m // 2, m % 2
+def bend(bodies, joint):
+    """How the gradient changes along the motion `along` of the two bodies, into `bend`."""
+    nx, ny, w = joint.gradient[0], joint.gradient[1], joint.along
+    turned, moment_a, moment_b = turn(
+        joint.face, nx, ny, joint.shape[0], joint.shape[1], joint.shape[2], w[0], w[1], w[2], w[3], w[4], w[5]
+    )
+    joint.bend[0] = -turned * ny
+    joint.bend[1] = turned * nx
+    joint.bend[2] = moment_a
+    joint.bend[3] = turned * ny
+    joint.bend[4] = -turned * nx
+    joint.bend[5] = moment_b
+    ca, sa = bodies[joint.first].frame[0], bodies[joint.first].frame[1]
+    cb, sb = bodies[joint.second].frame[0], bodies[joint.second].frame[1]
+    joint.bend[6] = (turned - w[2]) * (sa * nx - ca * ny)
+    joint.bend[7] = (turned - w[2]) * (sa * ny + ca * nx)
+    joint.bend[8] = (turned - w[5]) * (cb * ny - sb * nx)
+    joint.bend[9] = -(turned - w[5]) * (sb * ny + cb * nx)
+
+
+@compiled
+def bend_adjoint(bodies, joint):
+    """The transpose of `bend`: the same, as the Hessian is symmetric."""
+    bend(bodies, joint)
+
+
+@compiled
+def bend_to_point(bodies, joint, m):
+    """How the gradient to the positions changes with a coordinate of an attachment, into `bend`."""
+    nx, ny, end, axis = joint.gradient[0], joint.gradient[1], m // 2, m % 2
     x, y = arm(bodies[joint.second if end else joint.first], 1.0 - axis, 1.0 * axis)
-    turning = x * ny - y * nx
+    across, moment = (2.0 * end - 1.0) * (nx * y - ny * x), x * ny - y * nx
+    turned = 0.0 if joint.face else across * joint.shape[2]
+    joint.bend[0] = -turned * ny
+    joint.bend[1] = turned * nx
+    joint.bend[2] = joint.shape[0] * turned
+    joint.bend[3] = turned * ny
+    joint.bend[4] = -turned * nx
+    joint.bend[5] = -joint.shape[1] * turned - moment * end
     if joint.face:
-        joint.hessian[2, 6 + m] = turning * end
-        joint.hessian[5, 6 + m] = -turning * end
-        return
-    moved = (2.0 * end - 1.0) * (nx * y - ny * x) / length
-    for i in range(6):
-        joint.hessian[i, 6 + m] = moved * across[i]
-    joint.hessian[5 if end else 2, 6 + m] += -turning if end else turning
+        joint.bend[2] = moment * end
+    elif not end:
+        joint.bend[2] += moment
+
+
+@inlined
+def push_tangent(joint, state, tangent, own, net_tangent, row, force, to_d, to_rate, to_d_max):
+    """Derivatives of a joint's deformation, rate, force and part of the net forces through the motion of its bodies.
+
+    Arguments:
+        force, to_d, to_rate, to_d_max: the joint's, and its derivatives.
+    """
+    n, a, b, face = net_tangent.shape[0], 3 * joint.first, 3 * joint.second, joint.face
+    nx, ny, ga, gb = joint.gradient[0], joint.gradient[1], joint.gradient[2], joint.gradient[5]
+    along_a, along_b, inverse = joint.shape[0], joint.shape[1], joint.shape[2]
+    vx, vy = state[row, n + a] - state[row, n + b], state[row, n + a + 1] - state[row, n + b + 1]
+    va, vb, sweep = state[row, n + a + 2], state[row, n + b + 2], nx * vy - ny * vx
+    for c in range(tangent.shape[2]):
+        ax, ay, turn_a = tangent[row, a, c], tangent[row, a + 1, c], tangent[row, a + 2, c]
+        bx, by, turn_b = tangent[row, b, c], tangent[row, b + 1, c], tangent[row, b + 2, c]
+        turned, moment_a, moment_b = turn(face, nx, ny, along_a, along_b, inverse, ax, ay, turn_a, bx, by, turn_b)
+        d = own[REST, c] + nx * (ax - bx) + ny * (ay - by) + ga * turn_a + gb * turn_b
+        rate = sweep * turned + va * moment_a + vb * moment_b
+        rate += nx * (tangent[row, n + a, c] - tangent[row, n + b, c])
+        rate += ny * (tangent[row, n + a + 1, c] - tangent[row, n + b + 1, c])
+        rate += ga * tangent[row, n + a + 2, c] + gb * tangent[row, n + b + 2, c]
+        pushed = to_d * d + to_rate * rate + to_d_max * own[D_MAX, c]
+        own[DEFORMATION, c] = d
+        own[RATE, c] = rate
+        own[FORCE, c] = pushed
+        fx, fy = nx * pushed - ny * force * turned, ny * pushed + nx * force * turned
+        net_tangent[a, c] -= fx
+        net_tangent[a + 1, c] -= fy
+        net_tangent[a + 2, c] -= ga * pushed + force * moment_a
+        net_tangent[b, c] += fx
+        net_tangent[b + 1, c] += fy
+        net_tangent[b + 2, c] -= gb * pushed + force * moment_b
 
 
 @compiled
@@ -125,47 +177,7 @@ def to_rotations_adjoint(bodies, state, backward, chart):
     """The adjoint of `to_rotations`."""
 
 
-@compiled
-def gradient_row(joint):
-    """The gradient to the positions."""
-    return (
-        joint.gradient[0],
-        joint.gradient[1],
-        joint.gradient[2],
-        joint.gradient[3],
-        joint.gradient[4],
-        joint.gradient[5],
-    )
-
-
-@compiled
-def bend_row(joint):
-    """The derivatives of the deformation rate to the positions."""
-    return joint.bend[0], joint.bend[1], joint.bend[2], joint.bend[3], joint.bend[4], joint.bend[5]
-
-
-@compiled
-def hessian_row(joint, i, factor):
-    """A row of the Hessian to the positions, times a factor."""
-    return (
-        factor * joint.hessian[i, 0],
-        factor * joint.hessian[i, 1],
-        factor * joint.hessian[i, 2],
-        factor * joint.hessian[i, 3],
-        factor * joint.hessian[i, 4],
-        factor * joint.hessian[i, 5],
-    )
-
-
-@compiled
-def add_columns(w, tangent, row, a, b, out, place):
-    """Add the weighted derivatives of the coordinates from a and from b on to a row of `out`."""
-    for c in range(out.shape[1]):
-        first = w[0] * tangent[row, a, c] + w[1] * tangent[row, a + 1, c] + w[2] * tangent[row, a + 2, c]
-        out[place, c] += first + w[3] * tangent[row, b, c] + w[4] * tangent[row, b + 1, c] + w[5] * tangent[row, b + 2, c]
-
-
-@compiled
+@inlined
 def rates(bodies, state, row):
     """The derivatives of the positions."""
     size, n = state.shape[1] // 2, 3 * bodies.size
@@ -173,16 +185,15 @@ def rates(bodies, state, row):
         state[row, size + i] = state[row, n + i]
 
 
-@compiled
-def rates_tangent(bodies, state, tangent, row):
+@inlined
+def rates_tangent(bodies, state, tangent, rows, row):
     """The derivatives of `rates` to the columns."""
-    size, n = state.shape[1] // 2, 3 * bodies.size
+    half, n = rows.shape[1] // 2, DOF * bodies.size * tangent.shape[2]
     for i in range(n):
-        for c in range(tangent.shape[2]):
-            tangent[row, size + i, c] = tangent[row, n + i, c]
+        rows[row, half + i] = rows[row, n + i]
 
 
-@compiled
+@inlined
 def respond(bodies, state, row):
     """The accelerations under their forces and moments."""
     first = state.shape[1] // 2 + 3 * bodies.size
@@ -193,7 +204,7 @@ def respond(bodies, state, row):
         state[row, first + i + 2] = bodies[body].inertia[1, 2, 2] * bodies[body].net[TOTAL, 2]
 
 
-@compiled
+@inlined
 def respond_tangent(bodies, net_tangent, state, tangent, row):
     """The derivatives of `respond` to the columns."""
     first = state.shape[1] // 2 + 3 * bodies.size

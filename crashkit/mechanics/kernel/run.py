@@ -43,7 +43,7 @@ BLIND = 1e-3
 
 
 @compiled
-def begin(bodies, joints, state, tangent, joint_tangent):
+def begin(bodies, joints, state, tangent, joint_tangent, net_tangent):
     """Give the joints without a free length their distance at t = 0, and let them remember how they are compressed."""
     settle(bodies, state)
     locate(bodies, state, START)
@@ -53,7 +53,7 @@ def begin(bodies, joints, state, tangent, joint_tangent):
         if at_start:
             joint.rest = 0.0
         d = kinematics(bodies, joint, state, START)[0]
-        deformation_tangent(joint, tangent, own, START)
+        deformation_tangent(bodies, joint, state, tangent, own, net_tangent, START)
         if at_start:
             joint.rest, d = -d, 0.0
             for c in range(tangent.shape[2]):
@@ -141,7 +141,20 @@ def remember(bodies, joints, functions, state, t, piece, k, history, s):
 
 @compiled
 def change_branches(
-    bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, t, piece, ahead
+    bodies,
+    joints,
+    functions,
+    parameters,
+    given,
+    state,
+    columns,
+    partials,
+    tangent,
+    joint_tangent,
+    net_tangent,
+    t,
+    piece,
+    ahead,
 ):
     """Change to the branches beyond a crossing, one joint after another; returns the smallest guard there and its joint.
 
@@ -150,11 +163,11 @@ def change_branches(
     size, jumps = state.shape[1] // 2, False
     locate(bodies, state, START)
     if tangent.shape[2] > 0:
-        freeze_tangent(bodies, joints, state, tangent, joint_tangent)
+        freeze_tangent(bodies, joints, state, tangent, joint_tangent, net_tangent)
     for j in range(joints.size):
         joint, own = joints[j], joint_tangent[j]
         if tangent.shape[2] > 0:
-            jumps = crossing_tangent(bodies, joint, functions, parameters, state, columns, partials, tangent, own)
+            jumps = crossing_tangent(bodies, joint, functions, parameters, state, columns, partials, tangent, own, net_tangent)
         choose_branches_of(bodies, joint, functions, parameters, state, ahead)
         if jumps:
             for i in range(size):
@@ -190,7 +203,8 @@ def integrate(
     t, since, crossings, k, piece, s = 0.0, 0.0, 0, START, START, START
     crossing, ahead = True, 0.0
     guard, culprit = math.inf, NONE
-    begin(bodies, joints, state, tangent, joint_tangent)
+    rows = tangent.reshape((tangent.shape[0], -1))
+    begin(bodies, joints, state, tangent, joint_tangent, net_tangent)
     choose_branches(bodies, joints, functions, parameters, state, ahead)
     while True:
         while piece + 1 < given.shape[0] and given[piece + 1, 0] <= t + RESOLUTION * step:
@@ -208,6 +222,7 @@ def integrate(
                 partials,
                 tangent,
                 joint_tangent,
+                net_tangent,
                 t,
                 piece,
                 ahead,
@@ -225,6 +240,7 @@ def integrate(
                 columns,
                 partials,
                 tangent,
+                rows,
                 joint_tangent,
                 net_tangent,
                 START,
@@ -267,6 +283,7 @@ def integrate(
                 columns,
                 partials,
                 tangent,
+                rows,
                 joint_tangent,
                 net_tangent,
                 t,

@@ -13,8 +13,8 @@ tau.
 
 import math
 
-from crashkit.mechanics.kernel.arrays import START, TOTAL
-from crashkit.mechanics.kernel.stand_ins import compiled
+from crashkit.mechanics.kernel.arrays import D_MAX, DEFORMATION, FORCE, RATE, REST, START, TOTAL
+from crashkit.mechanics.kernel.stand_ins import compiled, inlined
 
 # ---- compiled from here ----
 
@@ -188,147 +188,140 @@ def settle(bodies, state):
 
 
 @compiled
-def direction(bodies, joint, state, row):
-    """The direction in which a joint pushes, the distance of its ends, and the arms to where it pushes."""
+def unit(k):
+    """A unit vector."""
+    return 1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0
+
+
+@inlined
+def measure(bodies, joint, state, row):
+    """The distance of a joint's ends, and the gradient of its deformation; `shape` keeps what its derivatives need."""
     a, b = joint.first, joint.second
     arm_a = turned(bodies[a], entries(joint.places, 0))
     arm_b = turned(bodies[b], entries(joint.places, 3))
     ends = plus(plus(three(state, row, 6 * b), arm_b), scaled(-1.0, plus(three(state, row, 6 * a), arm_a)))
     if joint.face:
         n = turned(bodies[a], entries(joint.places, 6))
-        return n, dot(n, ends), plus(arm_a, ends), arm_b
-    length = math.sqrt(dot(ends, ends))
-    return scaled(1.0 / length, ends), length, arm_a, arm_b
-
-
-@compiled
-def measure(bodies, joint, state, row):
-    """The distance of a joint's ends, and the gradient of its deformation."""
-    n, length, arm_a, arm_b = direction(bodies, joint, state, row)
+        length = dot(n, ends)
+        arm_a = plus(arm_a, ends)
+    else:
+        length = math.sqrt(dot(ends, ends))
+        n = scaled(1.0 / length, ends)
     set_entries(joint.gradient, 0, n)
     set_entries(joint.gradient, 3, cross(arm_a, n))
     set_entries(joint.gradient, 6, scaled(-1.0, n))
     set_entries(joint.gradient, 9, cross(n, arm_b))
-    set_entries(joint.gradient, 12, turned_back(bodies[joint.first], n))
-    set_entries(joint.gradient, 15, scaled(-1.0, turned_back(bodies[joint.second], n)))
+    set_entries(joint.gradient, 12, turned_back(bodies[a], n))
+    set_entries(joint.gradient, 15, scaled(-1.0, turned_back(bodies[b], n)))
+    set_entries(joint.shape, 0, arm_a)
+    set_entries(joint.shape, 3, arm_b)
+    joint.shape[6] = 1.0 / length
     return length
 
 
-@compiled
-def unit(k):
-    """A unit vector."""
-    return 1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0
+@inlined
+def turn(face, n, arm_a, arm_b, inverse, a, turn_a, b, turn_b):
+    """How a joint's direction turns, and its two moments per unit of force change, along a motion of its bodies.
+
+    Arguments:
+        inverse: of its length.
+        a, turn_a, b, turn_b: the motion.
+    """
+    moved_b = cross(turn_b, arm_b)
+    apart = plus(plus(b, moved_b), scaled(-1.0, a))
+    if face:
+        moved_a, swing = apart, cross(turn_a, n)
+    else:
+        moved_a = cross(turn_a, arm_a)
+        swing = across(n, inverse, plus(apart, scaled(-1.0, moved_a)))
+    return swing, plus(cross(moved_a, n), cross(arm_a, swing)), plus(cross(n, moved_b), cross(swing, arm_b))
 
 
 @compiled
-def nudge(bodies, joint, end, m):
-    """How the attachment of an end moves: by its body's three coordinates and rotations, then by its own three."""
-    axis = unit(m % 3)
-    body = joint.second if end else joint.first
-    if m < 3:
-        return axis
-    if m < 6:
-        return cross(axis, turned(bodies[body], entries(joint.places, 3 * end)))
-    return turned(bodies[body], axis)
+def across(n, inverse, apart):
+    """How the direction n of a line turns when its ends move apart: (I - n n') apart / length."""
+    return scaled(inverse, plus(apart, scaled(-dot(n, apart), n)))
 
 
 @compiled
-def curve(bodies, joint, state, row):
-    """The derivatives of the gradient to the displacements of the two bodies and to the two attachments."""
-    n, length, arm_a, arm_b = direction(bodies, joint, state, row)
-    for end in range(2):
-        for m in range(9):
-            k = 6 * end + m if m < 6 else 12 + 3 * end + m - 6
-            moved = nudge(bodies, joint, end, m)
-            apart = scaled(2.0 * end - 1.0, moved)
-            own = scaled(1.0 if m >= 3 else 0.0, moved)
-            d_a = scaled(1.0 - end, own)
-            d_b = scaled(1.0 * end, own)
-            if joint.face:
-                d_n = cross(scaled(1.0 if end == 0 and 3 <= m < 6 else 0.0, unit(m % 3)), n)
-                d_a = plus(d_a, apart)
-            else:
-                d_n = scaled(1.0 / length, plus(apart, scaled(-dot(n, apart), n)))
-            rows = plus(cross(d_a, n), cross(arm_a, d_n)), plus(cross(n, d_b), cross(d_n, arm_b))
-            for i in range(3):
-                joint.hessian[i, k] = d_n[i]
-                joint.hessian[3 + i, k] = rows[0][i]
-                joint.hessian[6 + i, k] = -d_n[i]
-                joint.hessian[9 + i, k] = rows[1][i]
+def set_bend(joint, swing, moment_a, moment_b):
+    """Keep how the gradient to the positions changes."""
+    set_entries(joint.bend, 0, swing)
+    set_entries(joint.bend, 3, moment_a)
+    set_entries(joint.bend, 6, scaled(-1.0, swing))
+    set_entries(joint.bend, 9, moment_b)
 
 
 @compiled
-def gradient_row(joint):
-    """The gradient to the positions."""
-    return (
-        joint.gradient[0],
-        joint.gradient[1],
-        joint.gradient[2],
-        joint.gradient[3],
-        joint.gradient[4],
-        joint.gradient[5],
-        joint.gradient[6],
-        joint.gradient[7],
-        joint.gradient[8],
-        joint.gradient[9],
-        joint.gradient[10],
-        joint.gradient[11],
+def bend(bodies, joint):
+    """How the gradient changes along the motion `along` of the two bodies, into `bend`."""
+    n, turn_a, turn_b = entries(joint.gradient, 0), entries(joint.along, 3), entries(joint.along, 9)
+    arm_a, arm_b = entries(joint.shape, 0), entries(joint.shape, 3)
+    swing, moment_a, moment_b = turn(
+        joint.face, n, arm_a, arm_b, joint.shape[6], entries(joint.along, 0), turn_a, entries(joint.along, 6), turn_b
     )
+    set_bend(joint, swing, moment_a, moment_b)
+    swing_a = plus(swing, cross(n, turn_a))
+    swing_b = plus(swing, cross(n, turn_b))
+    set_entries(joint.bend, 12, turned_back(bodies[joint.first], swing_a))
+    set_entries(joint.bend, 15, scaled(-1.0, turned_back(bodies[joint.second], swing_b)))
 
 
 @compiled
-def bend_row(joint):
-    """The derivatives of the deformation rate to the positions."""
-    return (
-        joint.bend[0],
-        joint.bend[1],
-        joint.bend[2],
-        joint.bend[3],
-        joint.bend[4],
-        joint.bend[5],
-        joint.bend[6],
-        joint.bend[7],
-        joint.bend[8],
-        joint.bend[9],
-        joint.bend[10],
-        joint.bend[11],
-    )
+def bend_adjoint(bodies, joint):
+    """The transpose of `bend`: rotations do not commute, so that the Hessian is not symmetric, H' w = H w + D x w."""
+    bend(bodies, joint)
+    for i in range(3, 12, 6):
+        swept = cross(entries(joint.gradient, i), entries(joint.along, i))
+        set_entries(joint.bend, i, plus(entries(joint.bend, i), swept))
 
 
 @compiled
-def hessian_row(joint, i, factor):
-    """A row of the Hessian to the positions, times a factor."""
-    return (
-        factor * joint.hessian[i, 0],
-        factor * joint.hessian[i, 1],
-        factor * joint.hessian[i, 2],
-        factor * joint.hessian[i, 3],
-        factor * joint.hessian[i, 4],
-        factor * joint.hessian[i, 5],
-        factor * joint.hessian[i, 6],
-        factor * joint.hessian[i, 7],
-        factor * joint.hessian[i, 8],
-        factor * joint.hessian[i, 9],
-        factor * joint.hessian[i, 10],
-        factor * joint.hessian[i, 11],
-    )
+def bend_to_point(bodies, joint, m):
+    """How the gradient to the positions changes with a coordinate of an attachment, into `bend`."""
+    n, end = entries(joint.gradient, 0), m // 3
+    moved = turned(bodies[joint.second if end else joint.first], unit(m % 3))
+    moved_a, moved_b, swing = scaled(1.0 - end, moved), scaled(1.0 * end, moved), (0.0, 0.0, 0.0)
+    if joint.face:
+        moved_a = moved_b
+    else:
+        swing = across(n, joint.shape[6], plus(moved_b, scaled(-1.0, moved_a)))
+    moment_a = plus(cross(moved_a, n), cross(entries(joint.shape, 0), swing))
+    set_bend(joint, swing, moment_a, plus(cross(n, moved_b), cross(swing, entries(joint.shape, 3))))
 
 
-@compiled
-def add_columns(w, tangent, row, a, b, out, place):
-    """Add the weighted derivatives of the coordinates from a and from b on to a row of `out`."""
-    for c in range(out.shape[1]):
-        first = w[0] * tangent[row, a, c] + w[1] * tangent[row, a + 1, c] + w[2] * tangent[row, a + 2, c]
-        second = w[3] * tangent[row, a + 3, c] + w[4] * tangent[row, a + 4, c] + w[5] * tangent[row, a + 5, c]
-        third = w[6] * tangent[row, b, c] + w[7] * tangent[row, b + 1, c] + w[8] * tangent[row, b + 2, c]
-        out[place, c] += (
-            first
-            + second
-            + third
-            + w[9] * tangent[row, b + 3, c]
-            + w[10] * tangent[row, b + 4, c]
-            + w[11] * tangent[row, b + 5, c]
-        )
+@inlined
+def push_tangent(joint, state, tangent, own, net_tangent, row, force, to_d, to_rate, to_d_max):
+    """Derivatives of a joint's deformation, rate, force and part of the net forces through the motion of its bodies.
+
+    Arguments:
+        force, to_d, to_rate, to_d_max: the joint's, and its derivatives.
+    """
+    n, a, b = net_tangent.shape[0], 6 * joint.first, 6 * joint.second
+    face, inverse, arm_a, arm_b = joint.face, joint.shape[6], entries(joint.shape, 0), entries(joint.shape, 3)
+    normal, g_a, g_b = entries(joint.gradient, 0), entries(joint.gradient, 3), entries(joint.gradient, 9)
+    v = plus(three(state, row, n + a), scaled(-1.0, three(state, row, n + b)))
+    v_a, v_b = three(state, row, n + a + 3), three(state, row, n + b + 3)
+    for c in range(tangent.shape[2]):
+        q_a, turn_a = three_of(tangent, row, a, c), three_of(tangent, row, a + 3, c)
+        q_b, turn_b = three_of(tangent, row, b, c), three_of(tangent, row, b + 3, c)
+        swing, moment_a, moment_b = turn(face, normal, arm_a, arm_b, inverse, q_a, turn_a, q_b, turn_b)
+        d = own[REST, c] + dot(normal, q_a) - dot(normal, q_b) + dot(g_a, turn_a) + dot(g_b, turn_b)
+        rate = dot(swing, v) + dot(moment_a, v_a) + dot(moment_b, v_b)
+        rate += dot(normal, three_of(tangent, row, n + a, c)) - dot(normal, three_of(tangent, row, n + b, c))
+        rate += dot(g_a, three_of(tangent, row, n + a + 3, c)) + dot(g_b, three_of(tangent, row, n + b + 3, c))
+        pushed = to_d * d + to_rate * rate + to_d_max * own[D_MAX, c]
+        own[DEFORMATION, c] = d
+        own[RATE, c] = rate
+        own[FORCE, c] = pushed
+        f = plus(scaled(pushed, normal), scaled(force, swing))
+        m_a = plus(scaled(pushed, g_a), scaled(force, moment_a))
+        m_b = plus(scaled(pushed, g_b), scaled(force, moment_b))
+        for k in range(3):
+            net_tangent[a + k, c] -= f[k]
+            net_tangent[b + k, c] += f[k]
+            net_tangent[a + 3 + k, c] -= m_a[k]
+            net_tangent[b + 3 + k, c] -= m_b[k]
 
 
 @compiled
@@ -350,7 +343,7 @@ def to_rotations_adjoint(bodies, state, backward, chart):
 
 
 @compiled
-def rates_tangent(bodies, state, tangent, row):
+def rates_tangent(bodies, state, tangent, rows, row):
     """The derivatives of `rates` to the columns."""
     size, n = state.shape[1] // 2, 6 * bodies.size
     for i in range(0, n, 6):

@@ -9,6 +9,11 @@ def compiled(function):  # type: ignore[no-untyped-def]
     return function
 
 
+def inlined(function):  # type: ignore[no-untyped-def]
+    """The compiler, for small functions of the inner loops: a call with many arrays costs as much as they do."""
+    return function
+
+
 def law_mode(number: int, d: float, ddot: float, d_max: float, z: float, p: Floats, o: int) -> int:
     """The branches that function `number` takes."""
 

@@ -18,7 +18,6 @@ from crashkit.mechanics.kernel.arrays import (
     END,
     FORCE,
     RATE,
-    REST,
     START,
     TO_D,
     TO_D_MAX,
@@ -31,21 +30,19 @@ from crashkit.mechanics.kernel.line import (
     AXES,
     CURVED,
     DOF,
-    add_columns,
-    bend_row,
-    curve,
-    gradient_row,
-    hessian_row,
+    bend,
+    bend_to_point,
+    push_tangent,
     rates_tangent,
     respond_tangent,
     to_rotations,
 )
-from crashkit.mechanics.kernel.stand_ins import compiled, law_guard, law_partials
+from crashkit.mechanics.kernel.stand_ins import compiled, inlined, law_guard, law_partials
 
 # ---- compiled from here ----
 
 
-@compiled
+@inlined
 def joint_partials(joint, functions, parameters, partials, state, row):
     """Force of a joint and its derivatives to d, ddot and d_max; `partials` then holds those to memories and parameters."""
     d_max = joint.d if joint.loading else joint.d_max
@@ -69,57 +66,61 @@ def joint_partials(joint, functions, parameters, partials, state, row):
     return force, to_d, to_rate, to_d_max
 
 
-@compiled
-def deformation_tangent(joint, tangent, own, row):
-    """Derivatives of a joint's deformation."""
-    for c in range(tangent.shape[2]):
-        own[DEFORMATION, c] = own[REST, c]
-    add_columns(gradient_row(joint), tangent, row, DOF * joint.first, DOF * joint.second, own, DEFORMATION)
-    for m in range(2 * AXES):
-        if joint.point_columns[m] >= 0:
-            own[DEFORMATION, joint.point_columns[m]] += joint.gradient[2 * DOF + m]
-
-
-@compiled
-def rate_tangent(bodies, joint, state, tangent, own, row):
-    """Derivatives of a joint's deformation rate."""
-    n = DOF * bodies.size
+@inlined
+def add_force(joint, own, net_tangent, column, change):
+    """Add a derivative of a joint's force to one column."""
     a, b = DOF * joint.first, DOF * joint.second
-    for c in range(tangent.shape[2]):
-        own[RATE, c] = 0.0
-    add_columns(gradient_row(joint), tangent, row, n + a, n + b, own, RATE)
-    if CURVED:
-        for k in range(2 * DOF + 2 * AXES):
-            if k < 2 * DOF or joint.point_columns[k - 2 * DOF] >= 0:
-                bend = 0.0
-                for i in range(DOF):
-                    first, second = joint.hessian[i, k], joint.hessian[DOF + i, k]
-                    bend += first * state[row, n + a + i] + second * state[row, n + b + i]
-                joint.bend[k] = bend
-        add_columns(bend_row(joint), tangent, row, a, b, own, RATE)
-        for m in range(2 * AXES):
-            if joint.point_columns[m] >= 0:
-                own[RATE, joint.point_columns[m]] += joint.bend[2 * DOF + m]
+    own[FORCE, column] += change
+    for i in range(DOF):
+        net_tangent[a + i, column] -= joint.gradient[i] * change
+        net_tangent[b + i, column] -= joint.gradient[DOF + i] * change
 
 
-@compiled
-def force_tangent(joint, functions, parameters, state, columns, tangent, own, partials, row):
-    """Derivatives of a joint's force, and of the rates of its memories; returns the force."""
-    size = state.shape[1] // 2
-    force, to_d, to_rate, to_d_max = joint_partials(joint, functions, parameters, partials, state, row)
-    for c in range(tangent.shape[2]):
-        own[FORCE, c] = to_d * own[DEFORMATION, c] + to_rate * own[RATE, c] + to_d_max * own[D_MAX, c]
+@inlined
+def parameter_columns(joint, functions, columns, tangent, own, net_tangent, partials, row):
+    """A joint's force depends on the parameters and memories of its functions."""
     for f in range(joint.start, joint.stop):
         function = functions[f]
         for i in range(function.count):
-            if columns[function.offset + i] >= 0:
-                own[FORCE, columns[function.offset + i]] += partials[f, TO_PARAMETERS + i]
-        z = function.memory
-        if z >= 0:
+            column = columns[function.offset + i]
+            if column >= 0:
+                add_force(joint, own, net_tangent, column, partials[f, TO_PARAMETERS + i])
+        if function.memory >= 0:
             for c in range(tangent.shape[2]):
-                own[FORCE, c] += partials[f, TO_MEMORY] * tangent[row, z, c]
-            memory_tangent(joint, function, parameters, state, columns, tangent, own, partials[f], row, size + z)
-    return force
+                add_force(joint, own, net_tangent, c, partials[f, TO_MEMORY] * tangent[row, function.memory, c])
+
+
+@compiled
+def point_columns(bodies, joint, state, own, net_tangent, row, force, to_d, to_rate):
+    """A joint's deformation, its rate, and where its force acts depend on its attachments.
+
+    The derivative of the rate to an attachment is how the derivative of the deformation to it changes along the velocities.
+    """
+    n = DOF * bodies.size
+    a, b = DOF * joint.first, DOF * joint.second
+    for m in range(2 * AXES):
+        column = joint.point_columns[m]
+        if column >= 0:
+            for i in range(DOF):
+                joint.along[i] = state[row, n + a + i]
+                joint.along[DOF + i] = state[row, n + b + i]
+            bend(bodies, joint)
+            d, rate = joint.gradient[2 * DOF + m], joint.bend[2 * DOF + m]
+            own[DEFORMATION, column] += d
+            own[RATE, column] += rate
+            add_force(joint, own, net_tangent, column, to_d * d + to_rate * rate)
+            bend_to_point(bodies, joint, m)
+            for i in range(DOF):
+                net_tangent[a + i, column] -= force * joint.bend[i]
+                net_tangent[b + i, column] -= force * joint.bend[DOF + i]
+
+
+@compiled
+def deformation_tangent(bodies, joint, state, tangent, own, net_tangent, row):
+    """Derivatives of a joint's deformation and of its rate; `net_tangent` stays as it is."""
+    push_tangent(joint, state, tangent, own, net_tangent, row, 0.0, 0.0, 0.0, 0.0)
+    if joint.moves_points:
+        point_columns(bodies, joint, state, own, net_tangent, row, 0.0, 0.0, 0.0)
 
 
 @compiled
@@ -139,30 +140,29 @@ def memory_tangent(joint, function, parameters, state, columns, tangent, own, sl
 
 
 @compiled
-def net_tangent_of(joint, tangent, own, net_tangent, row):
-    """Add the derivatives of the forces that a joint puts on its bodies."""
-    a, b = DOF * joint.first, DOF * joint.second
-    for i in range(2 * DOF):
-        place = a + i if i < DOF else b + i - DOF
-        slope = joint.gradient[i]
-        for c in range(tangent.shape[2]):
-            net_tangent[place, c] -= slope * own[FORCE, c]
-        if CURVED:
-            add_columns(hessian_row(joint, i, -joint.force), tangent, row, a, b, net_tangent, place)
-    if CURVED:
-        for m in range(2 * AXES):
-            column = joint.point_columns[m]
-            if column >= 0:
-                for i in range(2 * DOF):
-                    place = a + i if i < DOF else b + i - DOF
-                    net_tangent[place, column] -= joint.force * joint.hessian[i, 2 * DOF + m]
-
-
-@compiled
 def accelerate_tangent(
-    bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, net_tangent, row, t, piece
+    bodies,
+    joints,
+    functions,
+    parameters,
+    given,
+    state,
+    columns,
+    partials,
+    tangent,
+    rows,
+    joint_tangent,
+    net_tangent,
+    row,
+    t,
+    piece,
 ):
-    """Derivatives of the state's derivative at a stage; the forces are taken anew."""
+    """Derivatives of the state's derivative at a stage; the forces are taken anew.
+
+    Arguments:
+        rows: `tangent`, with one row for each stage.
+    """
+    size = state.shape[1] // 2
     begin_forces(bodies, state, row)
     for i in range(net_tangent.shape[0]):
         for c in range(tangent.shape[2]):
@@ -170,29 +170,45 @@ def accelerate_tangent(
     for j in range(joints.size):
         joint, own = joints[j], joint_tangent[j]
         kinematics(bodies, joint, state, row)
-        if CURVED:
-            curve(bodies, joint, state, row)
-        deformation_tangent(joint, tangent, own, row)
-        rate_tangent(bodies, joint, state, tangent, own, row)
-        force = force_tangent(joint, functions, parameters, state, columns, tangent, own, partials, row)
+        force, to_d, to_rate, to_d_max = joint_partials(joint, functions, parameters, partials, state, row)
         push(bodies, joint, force)
-        net_tangent_of(joint, tangent, own, net_tangent, row)
+        push_tangent(joint, state, tangent, own, net_tangent, row, force, to_d, to_rate, to_d_max)
+        parameter_columns(joint, functions, columns, tangent, own, net_tangent, partials, row)
+        if joint.moves_points:
+            point_columns(bodies, joint, state, own, net_tangent, row, force, to_d, to_rate)
+        for f in range(joint.start, joint.stop):
+            if functions[f].memory >= 0:
+                memory = functions[f].memory
+                memory_tangent(joint, functions[f], parameters, state, columns, tangent, own, partials[f], row, size + memory)
     add_given(bodies, given, t, piece)
     respond_tangent(bodies, net_tangent, state, tangent, row)
-    rates_tangent(bodies, state, tangent, row)
+    rates_tangent(bodies, state, tangent, rows, row)
 
 
 @compiled
 def step_tangent(
-    bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, net_tangent, t, piece, h
+    bodies,
+    joints,
+    functions,
+    parameters,
+    given,
+    state,
+    columns,
+    partials,
+    tangent,
+    rows,
+    joint_tangent,
+    net_tangent,
+    t,
+    piece,
+    h,
 ):
     """The derivative of the Runge-Kutta step whose stages `state` holds; START moves to its end."""
-    size = state.shape[1] // 2
+    half = rows.shape[1] // 2
     for row in range(1, 4):
         part = h if row == 3 else 0.5 * h
-        for i in range(size):
-            for c in range(tangent.shape[2]):
-                tangent[row, i, c] = tangent[START, i, c] + part * tangent[row - 1, size + i, c]
+        for i in range(half):
+            rows[row, i] = rows[START, i] + part * rows[row - 1, half + i]
         to_rotations(bodies, state, tangent, row, row)
         accelerate_tangent(
             bodies,
@@ -204,26 +220,26 @@ def step_tangent(
             columns,
             partials,
             tangent,
+            rows,
             joint_tangent,
             net_tangent,
             row,
             t + part,
             piece,
         )
-    for i in range(size):
-        for c in range(tangent.shape[2]):
-            inner = tangent[1, size + i, c] + tangent[2, size + i, c]
-            tangent[START, i, c] += h / 6.0 * (tangent[START, size + i, c] + 2.0 * inner + tangent[3, size + i, c])
+    for i in range(half):
+        inner = rows[1, half + i] + rows[2, half + i]
+        rows[START, i] += h / 6.0 * (rows[START, half + i] + 2.0 * inner + rows[3, half + i])
     to_rotations(bodies, state, tangent, START, END)
 
 
 @compiled
-def freeze_tangent(bodies, joints, state, tangent, joint_tangent):
+def freeze_tangent(bodies, joints, state, tangent, joint_tangent, net_tangent):
     """While a joint is loaded further the derivatives of its largest deformation are those of its deformation."""
     for j in range(joints.size):
         if joints[j].loading:
             kinematics(bodies, joints[j], state, START)
-            deformation_tangent(joints[j], tangent, joint_tangent[j], START)
+            deformation_tangent(bodies, joints[j], state, tangent, joint_tangent[j], net_tangent, START)
             for c in range(tangent.shape[2]):
                 joint_tangent[j, D_MAX, c] = joint_tangent[j, DEFORMATION, c]
 
@@ -232,14 +248,16 @@ def freeze_tangent(bodies, joints, state, tangent, joint_tangent):
 def acceleration_of(bodies, joint, state):
     """The second derivative of a joint's deformation in time, at START."""
     n, second = DOF * bodies.size, 0.0
-    first = state.shape[1] // 2 + n
-    for i in range(2 * DOF):
-        place = DOF * joint.first + i if i < DOF else DOF * joint.second + i - DOF
-        second += joint.gradient[i] * state[START, first + place]
-        if CURVED:
-            for k in range(2 * DOF):
-                other = DOF * joint.first + k if k < DOF else DOF * joint.second + k - DOF
-                second += state[START, n + place] * joint.hessian[i, k] * state[START, n + other]
+    a, b = n + DOF * joint.first, n + DOF * joint.second
+    first = state.shape[1] // 2
+    for i in range(DOF):
+        joint.along[i] = state[START, a + i]
+        joint.along[DOF + i] = state[START, b + i]
+        second += joint.gradient[i] * state[START, first + a + i] + joint.gradient[DOF + i] * state[START, first + b + i]
+    if CURVED:
+        bend(bodies, joint)
+        for i in range(2 * DOF):
+            second += joint.bend[i] * joint.along[i]
     return second
 
 
@@ -247,9 +265,6 @@ def acceleration_of(bodies, joint, state):
 def moment_tangent(bodies, joint, function, state, columns, tangent, own, slopes):
     """Derivatives of the time at which a guard of this joint with these slopes vanishes, into `own[FORCE]`."""
     size, z = state.shape[1] // 2, function.memory
-    if CURVED:
-        curve(bodies, joint, state, START)
-    rate_tangent(bodies, joint, state, tangent, own, START)
     speed = slopes[TO_D] * joint.ddot + slopes[TO_RATE] * acceleration_of(bodies, joint, state)
     if joint.loading:
         speed += slopes[TO_D_MAX] * joint.ddot
@@ -266,7 +281,7 @@ def moment_tangent(bodies, joint, function, state, columns, tangent, own, slopes
 
 
 @compiled
-def crossing_tangent(bodies, joint, functions, parameters, state, columns, partials, tangent, own):
+def crossing_tangent(bodies, joint, functions, parameters, state, columns, partials, tangent, own, net_tangent):
     """Derivatives of the time of a crossing where the force of this joint may jump, into `own[FORCE]`; whether it is one.
 
     A force may also jump where the joint turns round at its largest deformation: the guard is then the rate.
@@ -275,7 +290,7 @@ def crossing_tangent(bodies, joint, functions, parameters, state, columns, parti
     d_max, turns = joint.d_max, False
     if joint.loading:
         d_max, turns = d, ddot < 0.0
-    deformation_tangent(joint, tangent, own, START)
+    deformation_tangent(bodies, joint, state, tangent, own, net_tangent, START)
     for f in range(joint.start, joint.stop):
         function, slopes = functions[f], partials[f]
         o, z = function.offset, 0.0
