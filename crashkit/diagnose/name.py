@@ -2,14 +2,16 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 from attrs import frozen
 
+from crashkit.diagnose.cores import spread
 from crashkit.diagnose.reidentify import best_of_many
 from crashkit.diagnose.result import place_of
 from crashkit.diagnose.score import Score, score
-from crashkit.diagnose.search import Search, begin
+from crashkit.diagnose.search import Search, advance_all, begin_all
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Hypothesis, Proposal
@@ -157,27 +159,28 @@ def _entrants(
     No claim is dropped on its score alone: the model's own parameters may hide an effect so well that its score is small.
     """
     tasks = [(proposal, dict(start)) for proposal in proposals for start in proposal.starts]
-    scores = []
-    for done, (proposal, start) in enumerate(tasks):
-        progress(f"scoring {proposal.physics} at {place_of(proposal.location)}", done / len(tasks))
-        scores.append(score(proposal, start, workshop.misfit(origin, proposal.model), reference))
+
+    def scored(task: tuple[Proposal, dict[str, float]]) -> Score | None:
+        return score(*task, workshop.misfit(origin, task[0].model), reference)
+
+    def told(done: int) -> None:
+        progress(f"scoring {tasks[done][0].physics} at {place_of(tasks[done][0].location)}", done / len(tasks))
+
+    scores = zip((proposal for proposal, _ in tasks), spread(scored, tasks, told), strict=True)
     promising = sorted(
-        (s for s in scores if s is not None and (s.drop > LEAST_PROMISE or not s.proposal.null)), key=lambda s: -s.drop
+        ((p, s) for p, s in scores if s is not None and (s.drop > LEAST_PROMISE or not p.null)), key=lambda one: -one[1].drop
     )
-    return [_entrant(workshop, origin, one) for one in _first_of_each(promising, most)]
+    chosen = _first_of_each(promising, most)
+    misfits = [workshop.misfit(origin, proposal.model).with_values(promise.values) for proposal, promise in chosen]
+    return list(zip((proposal for proposal, _ in chosen), begin_all(workshop.identifier, misfits), strict=True))
 
 
-def _entrant(workshop: Workshop, origin: Misfit, promising: Score) -> Entrant:
-    misfit = workshop.misfit(origin, promising.proposal.model).with_values(promising.values)
-    return promising.proposal, begin(workshop.identifier, misfit)
-
-
-def _first_of_each(ranked: Sequence[Score], most: int) -> list[Score]:
+def _first_of_each(ranked: Sequence[tuple[Proposal, Score]], most: int) -> list[tuple[Proposal, Score]]:
     """The best few of each claim in each form."""
     seen: Counter[tuple[str, ...]] = Counter()
     chosen = []
     for one in ranked:
-        key = (*identity(one.proposal), one.proposal.form)
+        key = (*identity(one[0]), one[0].form)
         seen[key] += 1
         if seen[key] <= most:
             chosen.append(one)
@@ -188,8 +191,11 @@ def _heats(entrants: Sequence[Entrant], progress: Progress) -> list[Entrant]:
     """Successive halving: a few steps for all, then many steps for the few that are ahead."""
     for size, steps in HEATS:
         ahead = sorted(entrants, key=lambda entrant: entrant[1].state.cost)[:size]
-        entrants = []
-        for done, (proposal, search) in enumerate(ahead):
-            progress(f"fitting {proposal.physics} at {place_of(proposal.location)}", done / len(ahead))
-            entrants.append((proposal, search.advance(steps)))
+        proposals = [proposal for proposal, _ in ahead]
+        told = partial(_told, progress, proposals)
+        entrants = list(zip(proposals, advance_all([search for _, search in ahead], steps, told), strict=True))
     return list(entrants)
+
+
+def _told(progress: Progress, proposals: Sequence[Proposal], done: int) -> None:
+    progress(f"fitting {proposals[done].physics} at {place_of(proposals[done].location)}", done / len(proposals))

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from crashkit.diagnose.search import Search, begin
+from crashkit.diagnose.search import Search, advance_all, begin, begin_all
 from crashkit.misfit import Misfit
 from crashkit.protocols import Identifier
 
@@ -38,10 +38,9 @@ def refine(identifier: Identifier[Any], misfit: Misfit) -> Search:
 
 def best_of_many(identifier: Identifier[Any], misfit: Misfit) -> Search:
     """The best of several searches that begin at the model's values and around them."""
-    searches = [begin(identifier, misfit.with_values(misfit.values(start))) for start in _starts(misfit)]
+    searches = begin_all(identifier, [misfit.with_values(misfit.values(start)) for start in _starts(misfit)])
     for size, steps in HEATS:
-        ahead = sorted(searches, key=lambda search: search.state.cost)[:size]
-        searches = [search.advance(steps) for search in ahead]
+        searches = advance_all(sorted(searches, key=lambda search: search.state.cost)[:size], steps)
     return min(searches, key=lambda search: search.state.cost)
 
 

@@ -16,12 +16,10 @@ class Score:
     """What one Gauss-Newton step from the null promises.
 
     Attributes:
-        proposal: the physics.
         values: of the model's and the new parameters to start a fit from: from the null, a fit can only gain.
         drop: of the sum of squares below the reference, once the model's own parameters have adjusted.
     """
 
-    proposal: Proposal
     values: dict[str, float]
     drop: float
 
@@ -42,13 +40,15 @@ def score(proposal: Proposal, start: dict[str, float], misfit: Misfit, reference
         residual, jacobian = misfit.residual_and_jacobian(point)
     except SimulationError:
         return None
+    if not (np.isfinite(residual).all() and np.isfinite(jacobian).all()):
+        return None
     new = np.array([name in proposal.parameters for name in misfit.names])
     size = np.abs(misfit.parameters(point)) / misfit.scaling(point)
     reach = np.where(new | (size == 0), np.inf, LONGEST_STEP * size)
     step = _bounded_step(residual, jacobian, point, *misfit.bounds(), reach)
     reference = min(reference, float(residual @ residual)) if np.isinf(reference) else reference
     drop = reference - float(np.sum((residual + jacobian @ step) ** 2))
-    return Score(proposal, misfit.values(point), drop)
+    return Score(misfit.values(point), drop)
 
 
 def _bounded_step(

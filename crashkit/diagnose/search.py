@@ -1,10 +1,12 @@
 """Runs an identifier step by step, so that a diagnosis can drop a hopeless rival after a few steps."""
 
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from attrs import evolve, frozen
 
+from crashkit.diagnose.cores import spread
 from crashkit.errors import SimulationError
 from crashkit.misfit import Misfit
 from crashkit.protocols import Identification, Identifier, Status
@@ -72,3 +74,20 @@ class Search:
 def begin(identifier: Identifier[Any], misfit: Misfit) -> Search:
     """A search at the model's own values."""
     return Search(identifier, misfit, identifier.start(misfit))
+
+
+def begin_all(identifier: Identifier[Any], misfits: Sequence[Misfit]) -> list[Search]:
+    """Searches at the values of these models, on all cores."""
+    states = spread(identifier.start, misfits)
+    return [Search(identifier, misfit, state) for misfit, state in zip(misfits, states, strict=True)]
+
+
+def advance_all(searches: Sequence[Search], steps: int, told: Callable[[int], None] = lambda done: None) -> list[Search]:
+    """At most so many steps further with each, on all cores."""
+
+    def standing(search: Search) -> tuple[Any, bool]:
+        ahead = search.advance(steps)
+        return ahead.state, ahead.settled
+
+    stood = spread(standing, searches, told)
+    return [evolve(search, state=state, settled=settled) for search, (state, settled) in zip(searches, stood, strict=True)]

@@ -1,5 +1,7 @@
 """One run of a model, again and again at other values: what stays the same is prepared once."""
 
+import threading
+from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -15,6 +17,9 @@ from crashkit.mechanics.simulator import NO_HISTORY, Simulator, with_knots
 
 BY_BODY = ("position", "velocity", "acceleration", "contact_force")
 """Quantities that a record holds for each body and axis."""
+ROOMS = 8
+"""Records that are kept for the next run of the same size: hundreds of models may take turns, each with some megabytes."""
+_kept = threading.local()
 
 
 class RepeatedRun:
@@ -45,17 +50,18 @@ class RepeatedRun:
         self._is_structural = any(name != "parameters" for name, _ in self._places)
         self._instants = with_knots(times, self._layout)
         self._rows = np.searchsorted(self._instants, times)
-        self._arrays: dict[bool, tuple[Work, Work, Record]] = {}
+        self._arrays: dict[bool, tuple[Work, Work]] = {}
 
     def record(self, values: Floats, sensitivities: bool = False) -> Record:
-        """The run at these values of `paths`; its arrays are overwritten by the next one.
+        """The run at these values of `paths`; its arrays are overwritten by the next run in this thread, of whichever model.
 
         Raises:
             SimulationError: the motion is not finite, or it does not get past some time.
         """
         for (name, index), value in zip(self._places, values.tolist(), strict=True):
             getattr(self._layout, name)[index] = value
-        work, record = self._begin(sensitivities)
+        work = self._begin(sensitivities)
+        record = _room(work, len(self._layout.axes), self._instants.size)
         status, joint, t, _ = self._simulator.engine.module.integrate(self._instants, self._step, *work, *record, NO_HISTORY)
         if status != DONE:
             raise SimulationError(self._simulator.sentence(status, joint, t))
@@ -80,23 +86,23 @@ class RepeatedRun:
         starts = (0, velocities, size + velocities, 2 * size + 3 * len(self._layout.joints))
         return starts[BY_BODY.index(quantity)] + dof * bodies.index(body) + axes.index(axis)
 
-    def _begin(self, sensitivities: bool) -> tuple[Work, Record]:
+    def _begin(self, sensitivities: bool) -> Work:
         """The arrays as they are at t = 0."""
         if sensitivities not in self._arrays:
             self._arrays[sensitivities] = self._prepared(self.paths if sensitivities else ())
-        work, first, record = self._arrays[sensitivities]
+        work, first = self._arrays[sensitivities]
         for array, start in zip(work, first, strict=True):
             if array is not work.parameters:
                 array[...] = start
         if self._is_structural:
             self._renew(work)
-        return work, record
+        return work
 
-    def _prepared(self, paths: tuple[str, ...]) -> tuple[Work, Work, Record]:
-        """The arrays of the kernel, a copy of them at t = 0, and room for the results."""
+    def _prepared(self, paths: tuple[str, ...]) -> tuple[Work, Work]:
+        """The arrays of the kernel, and a copy of them at t = 0."""
         work = work_of(self._layout, self._simulator.engine, paths)
-        first = Work(*(array.copy() for array in work))
-        return work, first, record_of(work, len(self._layout.axes), self._instants.size)
+        first = Work(*(array.copy() for array in work))  # type: ignore[arg-type]
+        return work, first
 
     def _renew(self, work: Work) -> None:
         """Masses, inertia, lengths, points and the initial state."""
@@ -106,3 +112,13 @@ class RepeatedRun:
         for name in ("rest", "places"):
             work.joints[name] = joints[name]
         work.state[START, : self._layout.start.size] = self._layout.start.ravel()
+
+
+def _room(work: Work, axes: int, times: int) -> Record:
+    """Room for the results, of a run before this one if there was one of this size."""
+    rooms: OrderedDict[tuple[int, ...], Record] = _kept.__dict__.setdefault("rooms", OrderedDict())
+    size = (*work.tangent.shape[1:], len(work.joints), len(work.bodies), axes, times)
+    rooms[size] = rooms.pop(size) if size in rooms else record_of(work, axes, times)
+    if len(rooms) > ROOMS:
+        rooms.popitem(last=False)
+    return rooms[size]

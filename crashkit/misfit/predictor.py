@@ -31,8 +31,16 @@ class Prediction:
 class Predictor:
     """Simulates a model in the conditions of each run and lets each instrument observe it."""
 
-    def __init__(self, model: Model, recordings: Mapping[str, xr.DataTree], groups: Sequence[Group], simulator: Simulator):
+    def __init__(
+        self,
+        model: Model,
+        recordings: Mapping[str, xr.DataTree],
+        groups: Sequence[Group],
+        simulator: Simulator,
+        step: float = STEP,
+    ) -> None:
         self.model = model
+        self.step = step
         self.simulator = simulator
         self.groups = tuple(groups)
         self.names = tuple(model.free_parameters())
@@ -47,7 +55,7 @@ class Predictor:
         """The simulated motion of one run at every instant that one of its instruments reads."""
         wanted = self._structural if sensitivities else ()
         values = {**self._fixed, **values}
-        return self.simulator.run(self._times[run], values, initial=self._initial[run], sensitivities=wanted, step=STEP)
+        return self.simulator.run(self._times[run], values, initial=self._initial[run], sensitivities=wanted, step=self.step)
 
     def predict(self, values: Mapping[str, float], sensitivities: bool = False) -> list[Prediction]:
         """The predictions for every group, in order; `values` by parameter path."""
@@ -55,24 +63,30 @@ class Predictor:
 
     def predict_at(self, values: Floats, sensitivities: bool = False) -> list[Prediction]:
         """The same for values in the order of `names`; the predictions of all groups are arrays of their own."""
-        records = {run: repeated.record(values[self._columns], sensitivities) for run, repeated in self._runs.items()}
-        motions: dict[str, xr.Dataset] = {}
-        predictions = []
-        for group, readout in zip(self.groups, self._readouts, strict=True):
-            record = records[group.run]
-            if readout is not None:
-                predictions.append(self._read(readout, record, sensitivities))
-                continue
-            if group.run not in motions:
-                motions[group.run] = self._runs[group.run].motion(record)
-            predictions.append(self._observe(group, motions[group.run], values, sensitivities))
-        return predictions
+        told: dict[int, Prediction] = {}
+        for run, repeated in self._runs.items():
+            record = repeated.record(values[self._columns], sensitivities)
+            told |= self._predict_run(run, repeated, record, values, sensitivities)
+        return [told[number] for number in range(len(self.groups))]
+
+    def _predict_run(
+        self, run: str, repeated: RepeatedRun, record: Record, values: Floats, sensitivities: bool
+    ) -> dict[int, Prediction]:
+        """By number of the group."""
+        motion, told = None, {}
+        for number, (group, readout) in enumerate(zip(self.groups, self._readouts, strict=True)):
+            if group.run == run and readout is not None:
+                told[number] = self._read(readout, record, sensitivities)
+            elif group.run == run:
+                motion = repeated.motion(record) if motion is None else motion
+                told[number] = self._observe(group, motion, values, sensitivities)
+        return told
 
     @cached_property
     def _runs(self) -> dict[str, RepeatedRun]:
         """Made for the first prediction: many models are never asked for one."""
         return {
-            run: RepeatedRun(self.simulator, times, self._structural, self._fixed, self._initial[run], STEP)
+            run: RepeatedRun(self.simulator, times, self._structural, self._fixed, self._initial[run], self.step)
             for run, times in self._times.items()
         }
 

@@ -263,7 +263,10 @@ def acceleration_of(bodies, joint, state):
 
 @compiled
 def moment_tangent(bodies, joint, function, state, columns, tangent, own, slopes):
-    """Derivatives of the time at which a guard of this joint with these slopes vanishes, into `own[FORCE]`."""
+    """Derivatives of the time at which a guard of this joint with these slopes vanishes, into `own[FORCE]`.
+
+    A guard that stands still, as between bodies that begin at rest to one another, is not crossed at any time.
+    """
     size, z = state.shape[1] // 2, function.memory
     speed = slopes[TO_D] * joint.ddot + slopes[TO_RATE] * acceleration_of(bodies, joint, state)
     if joint.loading:
@@ -277,7 +280,7 @@ def moment_tangent(bodies, joint, function, state, columns, tangent, own, slopes
         if columns[function.offset + i] >= 0:
             own[FORCE, columns[function.offset + i]] += slopes[TO_PARAMETERS + i]
     for c in range(tangent.shape[2]):
-        own[FORCE, c] *= -1.0 / speed
+        own[FORCE, c] *= -1.0 / speed if speed != 0.0 else 0.0
 
 
 @compiled

@@ -13,7 +13,7 @@ WIDTH = 0.8
 class SmoothTable(SpringLaw):
     """A smooth force of the deformation: bumps at even distances between d = 0 and d = reach.
 
-    F = min(1, max(0, d) / engagement) sum_i heights[i] exp(-((n d / reach - i - 1/2) / 0.8)^2).
+    F = min(1, max(0, d) / engagement) sum_i heights[i] exp(-((n d / reach - i - 1/2) / 0.8)^2), beyond reach as at reach.
     """
 
     name = "smooth_table"
@@ -23,7 +23,7 @@ class SmoothTable(SpringLaw):
     @staticmethod
     def force(d: float, ddot: float, d_max: float, heights: list[float], reach: float, engagement: float) -> float:
         """The force, N, compression positive."""
-        place = d / reach * len(heights)
+        place = min(d / reach, 1.0) * len(heights)
         total = 0.0
         for i, height in enumerate(heights):
             total = total + height * math.exp(-(((place - i - 0.5) / WIDTH) ** 2))
@@ -33,7 +33,8 @@ class SmoothTable(SpringLaw):
 class RateTable(SpringLaw):
     """A smooth force of the rate while in contact: bumps at even distances between -reach and reach.
 
-    F = min(1, max(0, d) / engagement) sum_i heights[i] exp(-((n (ddot / reach + 1) / 2 - i - 1/2) / 0.8)^2).
+    F = min(1, max(0, d) / engagement) sum_i heights[i] exp(-((n (ddot / reach + 1) / 2 - i - 1/2) / 0.8)^2), beyond -reach and
+    reach as there.
     """
 
     name = "rate_table"
@@ -47,7 +48,7 @@ class RateTable(SpringLaw):
     @staticmethod
     def force(d: float, ddot: float, d_max: float, heights: list[float], reach: float, engagement: float) -> float:
         """The force, N, compression positive."""
-        place = (ddot / reach + 1.0) / 2.0 * len(heights)
+        place = min(max(ddot / reach + 1.0, 0.0) / 2.0, 1.0) * len(heights)
         total = 0.0
         for i, height in enumerate(heights):
             total = total + height * math.exp(-(((place - i - 0.5) / WIDTH) ** 2))
