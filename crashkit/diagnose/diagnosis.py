@@ -6,11 +6,11 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.diagnose.consistency import check_instruments
-from crashkit.diagnose.finding import estimates, experiment, make_finding, with_experiment
+from crashkit.diagnose.finding import estimates, experiment, make_finding, stand_ins, with_experiment
 from crashkit.diagnose.fits import curves_of, fit_of, predict
-from crashkit.diagnose.name import Progress
+from crashkit.diagnose.name import FLOOR, Progress
 from crashkit.diagnose.reidentify import refine, reidentify
-from crashkit.diagnose.result import Alternative, Diagnosis, Finding, Fit, place_of
+from crashkit.diagnose.result import UNKNOWN, Alternative, Diagnosis, Finding, Fit, place_of
 from crashkit.diagnose.rounds import Discovery, Round, discover, run_drops
 from crashkit.diagnose.search import Search
 from crashkit.diagnose.show import action_of, identified_table, missing_force_tree, ranking_table, units_of
@@ -100,9 +100,8 @@ def _compared(base: Misfit, final: Misfit, unseen: tuple[Misfit, ...]) -> tuple[
 def _findings(workshop: Workshop, discovery: Discovery, unseen: tuple[Misfit, ...]) -> tuple[tuple[Finding, ...], xr.DataTree]:
     identified = discovery.search.result()
     units = units_of(discovery.final.model, workshop)
-    told: list[Finding] = []
-    trees: dict[str, xr.Dataset] = {}
-    for number, look in enumerate(discovery.rounds):
+    told: list[tuple[Finding, dict[str, xr.Dataset]]] = []
+    for look in discovery.rounds:
         rival = look.rivals[0]
         action = action_of(workshop, discovery.final, look.before, rival, unseen)
         kind = workshop.hypotheses[rival.proposal.physics]
@@ -116,9 +115,20 @@ def _findings(workshop: Workshop, discovery: Discovery, unseen: tuple[Misfit, ..
             run_drops(look.before, rival.search.fitted()),
             max(float(group.times[-1]) for group in discovery.final.groups),
         )
-        told.append(_with_experiment(finding, look))
-        trees |= {f"{number}/{run}": one for run, one in action.items()}
-    return tuple(told), missing_force_tree(trees)
+        told.append((_with_experiment(finding, look), action))
+    if discovery.search.normalised > FLOOR and UNKNOWN in workshop.hypotheses:
+        told = _imitations_told(told, workshop.hypotheses[UNKNOWN].sentence)
+    trees = {f"{number}/{run}": one for number, (_, action) in enumerate(told) for run, one in action.items()}
+    return tuple(finding for finding, _ in told), missing_force_tree(trees)
+
+
+def _imitations_told(
+    told: list[tuple[Finding, dict[str, xr.Dataset]]], sentence: str
+) -> list[tuple[Finding, dict[str, xr.Dataset]]]:
+    """Findings at one place become one, with the force of the first."""
+    places = dict.fromkeys(place_of(finding.location) for finding, _ in told)
+    together = [[one for one in told if place_of(one[0].location) == place] for place in places]
+    return [some[0] if len(some) == 1 else (stand_ins([f for f, _ in some], sentence), some[0][1]) for some in together]
 
 
 def _alternatives(look: Round) -> list[Alternative]:
@@ -139,7 +149,7 @@ def _with_experiment(finding: Finding, look: Round) -> Finding:
 
 
 def _verdict(findings: tuple[Finding, ...], after: Fit, final: Misfit) -> str:
-    named = [f for f in findings if f.physics != "unknown"]
+    named = [f for f in findings if f.physics != UNKNOWN]
     if any("joint" in f.location or "body" in f.location or "bodies" in f.location for f in named):
         return "missing_physics"
     if findings:

@@ -7,7 +7,7 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.diagnose.name import Rival
-from crashkit.diagnose.result import Alternative, Estimate, Finding, place_of
+from crashkit.diagnose.result import UNKNOWN, Alternative, Estimate, Finding, place_of
 from crashkit.misfit import Misfit
 from crashkit.protocols import Hypothesis, Identification
 
@@ -62,6 +62,27 @@ def make_finding(
         phase=phase,
         parameters=parameters,
         alternatives=tuple(alternatives),
+    )
+
+
+def stand_ins(findings: Sequence[Finding], sentence: str) -> Finding:
+    """Several findings at one place that together still leave something unexplained, as what they are: an estimated force.
+
+    Each imitates a part of a force that no list has; none of them is there, but their sum predicts.
+
+    Arguments:
+        sentence: of an unknown force.
+    """
+    return evolve(
+        findings[0],
+        physics=UNKNOWN,
+        form="imitated by " + " + ".join(f.physics for f in findings),
+        sentence=sentence.format(place=place_of(findings[0].location)),
+        probability=max(f.probability for f in findings),
+        runs=tuple(dict.fromkeys(run for f in findings for run in f.runs)),
+        time=(min(f.time[0] for f in findings), max(f.time[1] for f in findings)),
+        parameters={name: value for f in findings for name, value in f.parameters.items()},
+        experiment="",
     )
 
 

@@ -9,7 +9,7 @@ from attrs import frozen
 
 from crashkit.diagnose.cores import spread
 from crashkit.diagnose.reidentify import best_of_many
-from crashkit.diagnose.result import place_of
+from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.score import Score, score
 from crashkit.diagnose.search import Search, advance_all, begin_all
 from crashkit.diagnose.workshop import Workshop
@@ -103,7 +103,7 @@ def probabilities(ranked: Sequence[Rival], tried: int) -> tuple[np.ndarray, floa
 
     "Nothing" has even odds beforehand; the other half is shared by all the places and kinds that were tried.
     """
-    prior = np.array([UNKNOWN_ODDS if r.proposal.physics == "unknown" else 1.0 for r in ranked]) / max(tried, 1)
+    prior = np.array([UNKNOWN_ODDS if r.proposal.physics == UNKNOWN else 1.0 for r in ranked]) / max(tried, 1)
     log_weights = np.append(np.array([r.evidence for r in ranked]) + np.log(prior), 0.0)
     weights = np.exp(log_weights - log_weights.max())
     weights /= weights.sum()
@@ -132,7 +132,7 @@ def _polished(
     in a local optimum.
     """
     leading = list(dict.fromkeys(identity(rival.proposal) for rival in ranked))[:POLISHED]
-    forms = [p for p in proposals if identity(p) in leading and p.physics != "unknown"]
+    forms = [p for p in proposals if identity(p) in leading and p.physics != UNKNOWN]
     polished = []
     for done, proposal in enumerate(forms):
         progress(f"searching again for {proposal.physics} at {place_of(proposal.location)}", done / len(forms))
@@ -147,7 +147,7 @@ def _polished(
 def _rival(proposal: Proposal, search: Search, reference: float) -> Rival:
     drop = reference - search.deviance
     price = float(len(proposal.parameters) * np.log(search.misfit.independent_samples))
-    imitates = proposal.physics == "unknown" and search.normalised > FLOOR
+    imitates = proposal.physics == UNKNOWN and search.normalised > FLOOR
     return Rival(proposal, search, drop, 0.5 * ((GENUINE if imitates else 1.0) * drop - price))
 
 

@@ -8,6 +8,9 @@ from attrs import field, frozen
 
 from crashkit.model import Model
 
+UNKNOWN = "unknown"
+"""The physics of a force that no list has."""
+
 
 @frozen
 class Estimate:

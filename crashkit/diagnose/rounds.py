@@ -6,6 +6,7 @@ import numpy as np
 from attrs import field, frozen
 
 from crashkit.diagnose.name import FLOOR, Progress, Rival, best_forms, fit_rivals, identity, probabilities, propose_all
+from crashkit.diagnose.result import UNKNOWN
 from crashkit.diagnose.search import Search, begin
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
@@ -91,7 +92,7 @@ def discover(workshop: Workshop, given: Misfit, base_search: Search, progress: P
 
 def _is_estimated(rounds: Sequence[Round]) -> bool:
     """Beside a force that is only estimated nothing more can be named: what is left is mostly how coarse the estimate is."""
-    return bool(rounds) and rounds[-1].rivals[0].proposal.physics == "unknown"
+    return bool(rounds) and rounds[-1].rivals[0].proposal.physics == UNKNOWN
 
 
 def _look(workshop: Workshop, given: Misfit, current: Misfit, found: Sequence[Rival], progress: Progress) -> Round:
