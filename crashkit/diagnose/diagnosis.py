@@ -13,7 +13,7 @@ from crashkit.diagnose.reidentify import refine, reidentify
 from crashkit.diagnose.result import UNKNOWN, Alternative, Diagnosis, Finding, Fit, place_of
 from crashkit.diagnose.rounds import Discovery, Round, discover, run_drops
 from crashkit.diagnose.search import Search
-from crashkit.diagnose.show import action_of, identified_table, missing_force_tree, ranking_table, units_of
+from crashkit.diagnose.show import action_of, identified_table, limits_table, missing_force_tree, ranking_table, units_of
 from crashkit.diagnose.words import noted, summarise
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Group, Misfit
@@ -22,6 +22,9 @@ from crashkit.model import Model
 UNEXPLAINED = 1.15
 """Normalised residual above which a model that explains nothing more is not called consistent."""
 WORTH_TELLING = 1e-4
+ROUGHLY = 0.3
+"""Relative deviation to which the numbers of a given model are believed while causes are compared. Without it a model could
+hide what it lacks in numbers that nobody would give it; what is reported is fitted without it."""
 
 
 def diagnose(
@@ -42,7 +45,7 @@ def diagnose(
     """
     progress("re-identifying the model", 0.0)
     equipped = workshop.rehearsed(model, recordings.values())
-    given = equipped.first_misfit(model, equipped.thinned(recordings))
+    given = equipped.first_misfit(model, equipped.thinned(recordings)).with_prior(ROUGHLY)
     discovery = discover(equipped, given, reidentify(equipped.identifier, given), progress)
     progress("refining on every sample", 0.0)
     return _told(equipped, _refined(equipped, discovery, recordings), holdout)
@@ -70,9 +73,10 @@ def _told(workshop: Workshop, discovery: Discovery, holdout: Mapping[str, xr.Dat
     verdict = _verdict(findings, fits["calibration"]["after"], final)
     consistency = check_instruments(_by_run(base))
     identified = identified_table(discovery, units_of(final.model, workshop))
+    detectable = limits_table(workshop, discovery)
     return Diagnosis(
         verdict=verdict,
-        summary=summarise(verdict, findings, fits, consistency),
+        summary=summarise(verdict, findings, fits, consistency, detectable),
         findings=findings,
         base_model=base.model,
         augmented_model=final.model,
@@ -83,6 +87,7 @@ def _told(workshop: Workshop, discovery: Discovery, holdout: Mapping[str, xr.Dat
         consistency=consistency,
         identified=identified,
         notes=noted(discovery, fits),
+        detectable=detectable,
     )
 
 

@@ -26,6 +26,8 @@ HEATS = ((300, 3), (50, 5), (12, 8), (5, 40))
 CONCEALED = 1.3
 """Normalised residual of the re-identified model above which it may have hidden physics in wrong values of its own; then the
 hypotheses are also fitted from the values that the user gave."""
+STRAINED = 9.0
+"""The same for the chi squared of its departure from what the user gave."""
 FLOOR = 1.05
 """Normalised residual above which the winner has not explained everything, and the search goes on."""
 GENUINE = 0.85
@@ -35,6 +37,8 @@ POLISHED = 2
 """How many of the leading claims are then searched again."""
 LEAST_PROMISE = 1e-3
 """A drop in chi squared below this says that nothing of the effect is excited."""
+SEEN = 4.5
+"""Standard deviations from which an effect is found: its chi squared is then that of a finding."""
 UNKNOWN_ODDS = 1e-2
 """Prior odds of an unheard-of force against a known one."""
 
@@ -62,6 +66,19 @@ class Rival:
         return identity(self.proposal)
 
 
+@frozen
+class Limit:
+    """The smallest effect that the recordings would have shown.
+
+    Attributes:
+        proposal: the physics, its form and place.
+        smallest: value of its first parameter.
+    """
+
+    proposal: Proposal
+    smallest: float
+
+
 def identity(proposal: Proposal) -> tuple[str, str]:
     """What a proposal claims, whatever its form: the physics and the place."""
     return proposal.physics, place_of(proposal.location)
@@ -77,8 +94,8 @@ def propose_all(hypotheses: Mapping[str, type[Hypothesis]], base: Misfit) -> lis
 
 def fit_rivals(
     workshop: Workshop, base: Misfit, given: Misfit, proposals: Sequence[Proposal], progress: Progress
-) -> list[Rival]:
-    """The fitted hypotheses, the most evident first.
+) -> tuple[list[Rival], list[Limit]]:
+    """The fitted hypotheses, the most evident first, and of each claim the smallest effect that would have been seen.
 
     Arguments:
         base: the misfit of the model without them, at its best fit.
@@ -88,14 +105,26 @@ def fit_rivals(
     """
     residual = base.residual(base.start())
     reference = float(residual @ residual)
-    entrants = _entrants(workshop, base, proposals, reference, 1, progress)
-    if np.sqrt(reference / base.independent_samples) > CONCEALED:
-        entrants += _entrants(workshop, given, proposals, np.inf, STARTS, progress)
+    scores = _scores(workshop, base, proposals, reference, progress)
+    entrants = _entrants(workshop, base, scores, 1)
+    strained = base.departure(base.start()) > STRAINED
+    if strained or np.sqrt(reference / base.independent_samples) > CONCEALED:
+        entrants += _entrants(workshop, given, _scores(workshop, given, proposals, np.inf, progress), STARTS)
     fitted = [_rival(p, search, base.deviance(residual)) for p, search in _heats(entrants, progress)]
     ranked = sorted(fitted, key=lambda rival: -rival.evidence)
     if ranked and ranked[0].search.normalised > FLOOR:
         ranked += _polished(workshop, given, ranked, proposals, base.deviance(residual), progress)
-    return sorted(ranked, key=lambda rival: -rival.evidence)
+    return sorted(ranked, key=lambda rival: -rival.evidence), _limits(scores)
+
+
+def _limits(scores: Iterable[tuple[Proposal, Score]]) -> list[Limit]:
+    """Of every claim in its first form, at the place in it where the recordings see best."""
+    limits: dict[tuple[str, str], Limit] = {}
+    for proposal, one in scores:
+        known = limits.setdefault(identity(proposal), Limit(proposal, np.inf))
+        if proposal.form == known.proposal.form:
+            limits[identity(proposal)] = Limit(known.proposal, min(known.smallest, SEEN * one.deviation))
+    return list(limits.values())
 
 
 def probabilities(ranked: Sequence[Rival], tried: int) -> tuple[np.ndarray, float]:
@@ -151,13 +180,10 @@ def _rival(proposal: Proposal, search: Search, reference: float) -> Rival:
     return Rival(proposal, search, drop, 0.5 * ((GENUINE if imitates else 1.0) * drop - price))
 
 
-def _entrants(
-    workshop: Workshop, origin: Misfit, proposals: Sequence[Proposal], reference: float, most: int, progress: Progress
-) -> list[Entrant]:
-    """Searches from the best starts of every claim, the model's own parameters at their values in `origin`.
-
-    No claim is dropped on its score alone: the model's own parameters may hide an effect so well that its score is small.
-    """
+def _scores(
+    workshop: Workshop, origin: Misfit, proposals: Sequence[Proposal], reference: float, progress: Progress
+) -> list[tuple[Proposal, Score]]:
+    """Of every proposal from each of its starts, the model's own parameters at their values in `origin`."""
     tasks = [(proposal, dict(start)) for proposal in proposals for start in proposal.starts]
 
     def scored(task: tuple[Proposal, dict[str, float]]) -> Score | None:
@@ -166,11 +192,17 @@ def _entrants(
     def told(done: int) -> None:
         progress(f"scoring {tasks[done][0].physics} at {place_of(tasks[done][0].location)}", done / len(tasks))
 
-    scores = zip((proposal for proposal, _ in tasks), spread(scored, tasks, told), strict=True)
-    promising = sorted(
-        ((p, s) for p, s in scores if s is not None and (s.drop > LEAST_PROMISE or not p.null)), key=lambda one: -one[1].drop
-    )
-    chosen = _first_of_each(promising, most)
+    found = zip((proposal for proposal, _ in tasks), spread(scored, tasks, told), strict=True)
+    return [(proposal, one) for proposal, one in found if one is not None]
+
+
+def _entrants(workshop: Workshop, origin: Misfit, scores: Sequence[tuple[Proposal, Score]], most: int) -> list[Entrant]:
+    """Searches from the best starts of every claim.
+
+    No claim is dropped on its score alone: the model's own parameters may hide an effect so well that its score is small.
+    """
+    promising = [(proposal, one) for proposal, one in scores if one.drop > LEAST_PROMISE or not proposal.null]
+    chosen = _first_of_each(sorted(promising, key=lambda one: -one[1].drop), most)
     misfits = [workshop.misfit(origin, proposal.model).with_values(promise.values) for proposal, promise in chosen]
     return list(zip((proposal for proposal, _ in chosen), begin_all(workshop.identifier, misfits), strict=True))
 

@@ -97,6 +97,8 @@ class Diagnosis:
         consistency: Dataset over `check` with `sentence`, `sigma` and `place`: instruments compared by kinematics alone.
         identified: Dataset over `parameter` of the augmented model: `value`, `std`, `units`, `identifiable`, `before`.
         notes: what cannot be trusted, and why.
+        detectable: Dataset over `effect` with `physics`, `form`, `place`, `parameter`, `smallest` and `units`: how large what
+            was not found would have had to be to be found.
     """
 
     verdict: str
@@ -111,6 +113,7 @@ class Diagnosis:
     consistency: xr.Dataset
     identified: xr.Dataset
     notes: tuple[str, ...] = field(default=())
+    detectable: xr.Dataset = field(factory=xr.Dataset)
 
 
 def place_of(location: Mapping[str, object]) -> str:

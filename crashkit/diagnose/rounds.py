@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from attrs import field, frozen
 
-from crashkit.diagnose.name import FLOOR, Progress, Rival, best_forms, fit_rivals, identity, probabilities, propose_all
+from crashkit.diagnose.name import FLOOR, Limit, Progress, Rival, best_forms, fit_rivals, identity, probabilities, propose_all
 from crashkit.diagnose.result import UNKNOWN
 from crashkit.diagnose.search import Search, begin
 from crashkit.diagnose.workshop import Workshop
@@ -30,14 +30,15 @@ TIE = 10.0
 
 @frozen
 class Round:
-    """One look at what is left: the rivals in order, their probabilities, that of nothing, the misfit before, and how much of
-    chi squared other findings have explained already."""
+    """One look at what is left: the rivals in order, their probabilities, that of nothing, the misfit before, how much of
+    chi squared other findings have explained already, and the smallest effects that would have been seen."""
 
     rivals: tuple[Rival, ...]
     probabilities: tuple[float, ...]
     nothing: float
     before: Misfit
     explained: float = 0.0
+    limits: tuple[Limit, ...] = field(default=())
 
     @property
     def winner(self) -> Rival | None:
@@ -101,9 +102,11 @@ def _look(workshop: Workshop, given: Misfit, current: Misfit, found: Sequence[Ri
     everything = propose_all(workshop.hypotheses, current)
     proposals = [p for p in everything if identity(p) not in known and _is_given(given.model, p.location)]
     equipped = workshop.equipped([p.model for p in proposals])
-    best = best_forms(fit_rivals(equipped, current, _as_given(current, given), proposals, progress))
+    ranked, limits = fit_rivals(equipped, current, _as_given(current, given), proposals, progress)
+    best = best_forms(ranked)
     chances, nothing = probabilities(best, len({identity(p) for p in proposals}))
-    return Round(tuple(best), tuple(chances.tolist()), nothing, current, sum(rival.drop for rival in found))
+    explained = sum(rival.drop for rival in found)
+    return Round(tuple(best), tuple(chances.tolist()), nothing, current, explained, tuple(limits))
 
 
 def _reconsider(

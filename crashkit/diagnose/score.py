@@ -18,10 +18,13 @@ class Score:
     Attributes:
         values: of the model's and the new parameters to start a fit from: from the null, a fit can only gain.
         drop: of the sum of squares below the reference, once the model's own parameters have adjusted.
+        deviation: standard deviation with which the recordings tell the size of the physics from nothing, the model's own
+            parameters adjusting; in the unit of its first parameter, infinite where nothing shows it.
     """
 
     values: dict[str, float]
     drop: float
+    deviation: float
 
 
 def score(proposal: Proposal, start: dict[str, float], misfit: Misfit, reference: float) -> Score | None:
@@ -48,7 +51,17 @@ def score(proposal: Proposal, start: dict[str, float], misfit: Misfit, reference
     step = _bounded_step(residual, jacobian, point, *misfit.bounds(), reach)
     reference = min(reference, float(residual @ residual)) if np.isinf(reference) else reference
     drop = reference - float(np.sum((residual + jacobian @ step) ** 2))
-    return Score(misfit.values(point), drop)
+    own = np.array([name not in proposal.parameters for name in misfit.names])
+    deviation = _deviation(jacobian[:, misfit.names.index(proposal.parameters[0])], jacobian[:, own], reach[own])
+    return Score(misfit.values(point), drop, deviation)
+
+
+def _deviation(amplitude: np.ndarray, own: np.ndarray, reach: np.ndarray) -> float:
+    """Of a parameter whose derivatives are `amplitude`, when others with derivatives `own` may move by about `reach`."""
+    curvature = own.T @ own + np.diag(1.0 / reach**2)
+    hidden = own.T @ amplitude
+    seen = amplitude @ amplitude - hidden @ np.linalg.lstsq(curvature, hidden, rcond=1e-14)[0]
+    return float(1.0 / np.sqrt(seen)) if seen > 1e-12 * (amplitude @ amplitude) else float("inf")
 
 
 def _bounded_step(

@@ -13,7 +13,7 @@ from crashkit.diagnose.workshop import Workshop
 from crashkit.mechanics.along import forces_along
 from crashkit.misfit import Misfit
 from crashkit.model import Model
-from crashkit.protocols import ParameterSpec
+from crashkit.protocols import ParameterSpec, Proposal
 
 
 def ranking_table(discovery: Discovery) -> xr.Dataset:
@@ -28,6 +28,21 @@ def ranking_table(discovery: Discovery) -> xr.Dataset:
     columns = list(zip(*rows, strict=True)) if rows else [()] * len(names)
     table = xr.Dataset({name: ("hypothesis", np.array(column)) for name, column in zip(names, columns, strict=True)})
     return table.assign(left_out_drop=("hypothesis", np.full(len(rows), np.nan)))
+
+
+def limits_table(workshop: Workshop, discovery: Discovery) -> xr.Dataset:
+    """Of every claim that was not made, the smallest effect that the recordings would have shown."""
+    limits = [one for one in (discovery.last.limits if discovery.last else ()) if np.isfinite(one.smallest)]
+    rows = [_limit_row(workshop, one.proposal, one.smallest) for one in limits]
+    names = ("physics", "form", "place", "parameter", "smallest", "units")
+    columns = list(zip(*rows, strict=True)) if rows else [()] * len(names)
+    return xr.Dataset({name: ("effect", np.array(column)) for name, column in zip(names, columns, strict=True)})
+
+
+def _limit_row(workshop: Workshop, proposal: Proposal, smallest: float) -> tuple[str, str, str, str, float, str]:
+    path = proposal.parameters[0]
+    unit = units_of(proposal.model, workshop).get(path, "")
+    return proposal.physics, proposal.form, place_of(proposal.location), path.rsplit(".", 1)[-1], smallest, unit
 
 
 def identified_table(discovery: Discovery, units: Mapping[str, str]) -> xr.Dataset:

@@ -16,11 +16,18 @@ VERDICTS = {
 }
 
 
+MOST_LIMITS = 5
+
+
 def summarise(
-    verdict: str, findings: Sequence[Finding], fits: Mapping[str, Mapping[str, Fit]], consistency: xr.Dataset
+    verdict: str,
+    findings: Sequence[Finding],
+    fits: Mapping[str, Mapping[str, Fit]],
+    consistency: xr.Dataset,
+    detectable: xr.Dataset,
 ) -> str:
-    """The verdict, each finding with its numbers, and the fits."""
-    lines = [VERDICTS[verdict]]
+    """The verdict, each finding with its numbers, and the fits; where nothing was found, what would have been."""
+    lines = [VERDICTS[verdict], *(_lines_of_limits(detectable) if not findings else [])]
     for finding in findings:
         lines += _lines_of(finding)
     lines.append("Residual over noise (1 is the noise floor), re-identified model -> with what was found:")
@@ -56,6 +63,21 @@ def noted(discovery: Discovery, fits: Mapping[str, Mapping[str, Fit]]) -> tuple[
             f"their own size, and all channels together count as about {samples:.0f} independent samples"
         )
     return tuple(notes)
+
+
+def _lines_of_limits(detectable: xr.Dataset) -> list[str]:
+    """The first few kinds of physics, each at the place where it would have been seen soonest."""
+    if not detectable.sizes.get("effect", 0):
+        return []
+    rows = zip(
+        *(detectable[name].values.tolist() for name in ("physics", "place", "parameter", "smallest", "units")), strict=True
+    )
+    best: dict[str, tuple[str, str, float, str]] = {}
+    for physics, place, parameter, smallest, unit in rows:
+        if physics not in best or smallest < best[physics][2]:
+            best[physics] = (place, parameter, smallest, "" if unit == "1" else f" {unit}")
+    told = [f"  {what} at {row[0]}: {row[1]} {row[2]:.2g}{row[3]}" for what, row in list(best.items())[:MOST_LIMITS]]
+    return ["It would have been found from about:", *told]
 
 
 def number(estimate: Estimate) -> str:

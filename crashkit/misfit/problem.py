@@ -1,17 +1,36 @@
 """The misfit between a model and recordings in measurement space: what an Identifier minimises."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 import xarray as xr
-from attrs import evolve
+from attrs import evolve, frozen
 
 from crashkit.mechanics import Engine, Simulator
 from crashkit.misfit.channel import Channel, Group, groups_of
-from crashkit.misfit.predictor import Prediction, Predictor
+from crashkit.misfit.coarse import COARSE_STEP, coarse_group
+from crashkit.misfit.predictor import STEP, Prediction, Predictor
 from crashkit.misfit.rows import rows_of
 from crashkit.model import Model
 from crashkit.protocols import Observer, SpringLaw
+
+
+@frozen
+class Prior:
+    """What is known of parameters beforehand.
+
+    Attributes:
+        centres: values by path.
+        std: of the logarithm of each.
+    """
+
+    centres: Mapping[str, float]
+    std: float
+
+
+NO_PRIOR = Prior({}, math.inf)
 
 
 class Misfit:
@@ -36,15 +55,28 @@ class Misfit:
         groups = [group for run, tree in recordings.items() for group in groups_of(run, tree, observers, bodies)]
         self._setup(model, recordings, groups, Simulator(model, laws, engine))
 
-    def _setup(self, model: Model, recordings: Mapping[str, xr.DataTree], groups: list[Group], simulator: Simulator) -> None:
+    def _setup(
+        self,
+        model: Model,
+        recordings: Mapping[str, xr.DataTree],
+        groups: Sequence[Group],
+        simulator: Simulator,
+        step: float = STEP,
+        prior: Prior = NO_PRIOR,
+    ) -> None:
+        self.prior = prior
         self.model = model
         self.recordings = recordings
-        self.predictor = Predictor(model, recordings, groups, simulator)
+        self.predictor = Predictor(model, recordings, groups, simulator, step)
         self.groups = self.predictor.groups
         self.names = self.predictor.names
         self._free = tuple(model.free_parameters().values())
         self._log = np.array([parameter.lower > 0 for parameter in self._free], dtype=bool)
         self._rows = [rows_of(group) for group in self.groups]
+        self._known = np.array([i for i, name in enumerate(self.names) if name in prior.centres], dtype=int)
+        self._centres = self.scaled(
+            np.array([prior.centres.get(p, v.value) for p, v in zip(self.names, self._free, strict=True)])
+        )
 
     @property
     def channels(self) -> tuple[Channel, ...]:
@@ -93,10 +125,13 @@ class Misfit:
         return dict(zip(self.names, self.parameters(scaled).tolist(), strict=True))
 
     def residual(self, scaled: np.ndarray) -> np.ndarray:
-        """Weighted residuals, one entry for each sample that was recorded; a sample that the simulation does not reach has 0."""
+        """Weighted residuals, one for each sample that was recorded; a sample that the simulation does not reach has 0.
+
+        What is known of parameters beforehand follows, one residual for each.
+        """
         residual = self._residual(self.predictor.predict_at(self.parameters(scaled)))
         residual[np.isnan(residual)] = 0.0
-        return residual
+        return np.concatenate([residual, self._departure(scaled)])
 
     def residual_and_jacobian(self, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Weighted residuals and their derivatives to the search variables."""
@@ -108,7 +143,17 @@ class Misfit:
         unknown = np.isnan(residual)
         if unknown.any():
             residual[unknown], jacobian[unknown] = 0.0, 0.0
-        return residual, jacobian
+        if not self._known.size:
+            return residual, jacobian
+        own = np.eye(len(scaled))[self._known] / self.prior.std
+        return np.concatenate([residual, self._departure(scaled)]), np.concatenate([jacobian, own])
+
+    def departure(self, scaled: np.ndarray) -> float:
+        """How far parameters are from what is known of them beforehand, as chi squared."""
+        return float(np.sum(self._departure(scaled) ** 2))
+
+    def _departure(self, scaled: np.ndarray) -> np.ndarray:
+        return np.asarray((scaled - self._centres)[self._known] / self.prior.std)
 
     def channel_sums(self, residual: np.ndarray) -> np.ndarray:
         """The sum of squares of each channel's weighted residuals; a channel at its noise gives its independent samples."""
@@ -123,9 +168,11 @@ class Misfit:
         """Minus twice the log likelihood, up to a constant.
 
         A channel with a trusted noise level counts its sum of squares; one whose level is only estimated counts
-        `n log(sum / n)`, the likelihood with the level left open.
+        `n log(sum / n)`, the likelihood with the level left open. What is known of parameters beforehand counts as it is.
         """
-        return sum(_deviance(c, float(total)) for c, total in zip(self.channels, self.channel_sums(residual), strict=True))
+        known = float(np.sum(residual[len(residual) - self._known.size :] ** 2))
+        sums = zip(self.channels, self.channel_sums(residual), strict=True)
+        return known + sum(_deviance(channel, float(total)) for channel, total in sums)
 
     def reweighted(self, scaled: np.ndarray) -> "Misfit":
         """The same misfit with open noise levels set to what the model leaves of those channels."""
@@ -148,11 +195,28 @@ class Misfit:
         changes = {path: evolve(model.parameters()[path], fixed=not is_free) for path, is_free in (free or {}).items()}
         return self._with(model.with_parameters(changes), list(self.groups))
 
+    def with_prior(self, std: float) -> "Misfit":
+        """The same misfit when its model's values are known to about `std`, of those that are searched in their logarithm."""
+        centres = {n: p.value for n, p, log in zip(self.names, self._free, self._log, strict=True) if log}
+        copy = object.__new__(Misfit)
+        copy._setup(self.model, self.recordings, self.groups, self.predictor.simulator, prior=Prior(centres, std))
+        return copy
+
     def with_recordings(self, runs: tuple[str, ...]) -> "Misfit":
         """The same misfit over some of the runs."""
         chosen = {run: self.recordings[run] for run in runs}
         copy = object.__new__(Misfit)
-        copy._setup(self.model, chosen, [g for g in self.groups if g.run in chosen], self.predictor.simulator)
+        copy._setup(
+            self.model, chosen, [g for g in self.groups if g.run in chosen], self.predictor.simulator, prior=self.prior
+        )
+        return copy
+
+    @cached_property
+    def coarse(self) -> "Misfit":
+        """The same at fewer instants and in longer steps of the integration, for first guesses."""
+        copy = object.__new__(Misfit)
+        groups = [coarse_group(group) for group in self.groups]
+        copy._setup(self.model, self.recordings, groups, self.predictor.simulator, COARSE_STEP, self.prior)
         return copy
 
     def at_speed(self, factor: float) -> "Misfit":
@@ -164,7 +228,7 @@ class Misfit:
 
     def _with(self, model: Model, groups: list[Group], simulator: Simulator | None = None) -> "Misfit":
         copy = object.__new__(Misfit)
-        copy._setup(model, self.recordings, groups, simulator or self.predictor.simulator)
+        copy._setup(model, self.recordings, groups, simulator or self.predictor.simulator, prior=self.prior)
         return copy
 
     def _residual(self, predictions: list[Prediction]) -> np.ndarray:

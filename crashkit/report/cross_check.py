@@ -1,10 +1,14 @@
 """Displacement from film and from accelerometers in one figure, and their difference."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
+from plotly.offline import get_plotlyjs
 
+from crashkit.report.files import write_text
+from crashkit.report.page import rows, template
 from crashkit.report.words import unit
 
 if TYPE_CHECKING:
@@ -13,6 +17,24 @@ if TYPE_CHECKING:
 FILM, ACCELEROMETER = "#0072b2", "#d55e00"
 BAND = 1.96
 """Standard deviations that hold 95 %."""
+
+
+def write_cross_check(check: xr.Dataset, run: str, directory: Path) -> Path:
+    """Write `directory`/index.html with the verdicts and Figure 6, and what it needs, and return the page's path.
+
+    Arguments:
+        check: as `crashkit.misfit.cross_check` returns it.
+        run: the recording's name.
+    """
+    figure = cross_check_figure(check).update_layout(title=None, margin_t=40)
+    page = template("cross_check.html").render(
+        run=run,
+        agree=bool(check["consistent"].all()),
+        bodies=rows(check, "body"),
+        figure=figure.to_html(full_html=False, include_plotlyjs=False),
+    )
+    write_text(directory / "plotly.min.js", get_plotlyjs())
+    return write_text(directory / "index.html", page)
 
 
 def cross_check_figure(check: xr.Dataset) -> "Figure":

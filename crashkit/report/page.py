@@ -9,7 +9,7 @@ from typing import Any
 
 import xarray as xr
 from attrs import frozen
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 from plotly.offline import get_plotlyjs
 
 from crashkit.diagnose.result import Diagnosis, Finding, place_of
@@ -36,18 +36,8 @@ def write_report(diagnosis: Diagnosis, directory: Path) -> Path:
 
 def render(diagnosis: Diagnosis) -> str:
     """The page as text; it needs plotly.min.js beside it."""
-    # Every variable is escaped: names of runs, bodies and sensors are the user's.
-    environment = Environment(
-        loader=PackageLoader("crashkit.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    filters = (words.label, words.likelihood, words.percent, words.unit, words.number, words.estimate, words.grade, place_of)
-    environment.filters |= {function.__name__: function for function in filters}
     channels = list(channels_of(diagnosis))
-    return environment.get_template("page.html").render(
+    return template("page.html").render(
         diagnosis=diagnosis,
         verdict=words.verdict_of(diagnosis.verdict),
         with_after=bool(diagnosis.findings),
@@ -58,11 +48,26 @@ def render(diagnosis: Diagnosis) -> str:
         fits=[table for name in reversed(SETS) if (table := _fit_table(diagnosis, name))],
         rounds=_rounds(diagnosis.ranking),
         with_left_out=any(math.isfinite(row["left_out_drop"]) for row in rows(diagnosis.ranking, "hypothesis")),
+        detectable=rows(diagnosis.detectable, "effect"),
         consistency=rows(diagnosis.consistency, "check"),
         inconsistent=INCONSISTENT,
         infinity=math.inf,
         identified=rows(diagnosis.identified, "parameter"),
     )
+
+
+def template(name: str) -> Template:
+    """A page to be filled in. Every variable is escaped: names of runs, bodies and sensors are the user's."""
+    environment = Environment(
+        loader=PackageLoader("crashkit.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    filters = (words.label, words.likelihood, words.percent, words.unit, words.number, words.estimate, words.grade, place_of)
+    environment.filters |= {function.__name__: function for function in filters}
+    return environment.get_template(name)
 
 
 @frozen
