@@ -155,13 +155,12 @@ def _polished(
     reference: float,
     progress: Progress,
 ) -> list[Rival]:
-    """Every form of the leading claims, searched from many starts.
+    """Every form of the leading claims, and of all claims where an unknown force leads to, searched from many starts.
 
     The winner has not reached the noise floor, and another form of its own or of its closest rivals may only have been caught
     in a local optimum.
     """
-    leading = list(dict.fromkeys(identity(rival.proposal) for rival in ranked))[:POLISHED]
-    forms = [p for p in proposals if identity(p) in leading and p.physics != UNKNOWN]
+    forms = [p for p in proposals if p.physics != UNKNOWN and _leads(p, ranked)]
     polished = []
     for done, proposal in enumerate(forms):
         progress(f"searching again for {proposal.physics} at {place_of(proposal.location)}", done / len(forms))
@@ -171,6 +170,13 @@ def _polished(
         search = best_of_many(workshop.identifier, workshop.misfit(given, proposal.model).with_values(new))
         polished.append(_rival(proposal, search, reference))
     return polished
+
+
+def _leads(proposal: Proposal, ranked: Sequence[Rival]) -> bool:
+    first = ranked[0].proposal
+    known = dict.fromkeys(identity(rival.proposal) for rival in ranked if rival.proposal.physics != UNKNOWN)
+    at_unknown = first.physics == UNKNOWN and place_of(proposal.location) == place_of(first.location)
+    return at_unknown or identity(proposal) in list(known)[:POLISHED]
 
 
 def _rival(proposal: Proposal, search: Search, reference: float) -> Rival:

@@ -11,16 +11,24 @@ from crashkit_hypotheses.build import added, grid, largest_deformation, parallel
 
 
 class ViscousDamping(Hypothesis):
-    """F = F_law + c ddot."""
+    """F = F_law + c ddot while the joint is compressed, or F_law + c ddot |ddot|^(n - 1) then, or at all times."""
 
     physics: ClassVar[str] = "viscous_damping"
-    sentence: ClassVar[str] = "{place} is damped: part of its force is proportional to the deformation rate"
+    sentence: ClassVar[str] = "{place} is damped: part of its force opposes the deformation rate and grows with it"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every joint that is compressed."""
+        return [form for joint in _used(model, motion) for form in self._forms(model, joint)]
+
+    def _forms(self, model: Model, joint: Joint) -> list[Proposal]:
         damping = {"damping": Parameter(0.0, 0.0, 1e7)}
+        power = {**damping, "exponent": Parameter(0.7, 0.2, 3.0)}
+        always = {**power, "tension": Parameter(1.0, fixed=True)}
+        starts = grid(exponent=(0.6, 2.0))
         return [
-            parallel(model, joint, self.physics, "linear", "viscous", damping, "damping") for joint in _used(model, motion)
+            parallel(model, joint, self.physics, "linear", "viscous", damping, "damping"),
+            parallel(model, joint, self.physics, "power", "viscous_power", power, "damping", starts),
+            parallel(model, joint, self.physics, "power, always", "viscous_power", always, "damping", starts),
         ]
 
 
@@ -31,11 +39,15 @@ class JointFriction(Hypothesis):
     sentence: ClassVar[str] = "a dry friction force opposes the deformation of {place}"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Every joint that is compressed."""
-        friction = {"friction_force": Parameter(0.0, 0.0, 1e7), "slip_rate": Parameter(0.2, 0.01, 3.0)}
+        """Every joint that is compressed: friction that is full at a tenth of a metre per second, or at another rate."""
+        force = Parameter(0.0, 0.0, 1e7)
+        rates = {"sharp": Parameter(0.05, fixed=True), "smooth": Parameter(0.4, 0.01, 3.0)}
         return [
-            parallel(model, joint, self.physics, "smooth", "coulomb", friction, "friction_force")
+            parallel(
+                model, joint, self.physics, form, "coulomb", {"friction_force": force, "slip_rate": rate}, "friction_force"
+            )
             for joint in _used(model, motion)
+            for form, rate in rates.items()
         ]
 
 
@@ -71,9 +83,11 @@ class ProgressiveFolding(Hypothesis):
     def _folds(self, model: Model, joint: Joint, reached: float) -> Proposal:
         folds = {
             "amplitude": Parameter(0.0, 0.0, 1e7),
-            "fold_length": Parameter(0.2 * reached, 0.02 * reached, 0.6 * reached),
+            "fold_length": Parameter(0.2 * reached, 0.02 * reached, 0.8 * reached),
+            "onset": Parameter(0.0, 0.0, 0.8 * reached),
         }
-        starts = grid(fold_length=[share * reached for share in (0.08, 0.12, 0.18, 0.27, 0.4)])
+        lengths, onsets = (0.08, 0.12, 0.18, 0.27, 0.4), (0.0, 0.15, 0.4)
+        starts = grid(fold_length=[share * reached for share in lengths], onset=[share * reached for share in onsets])
         return added(model, joint, self.physics, "sine", "folding", folds, "amplitude", starts)
 
 

@@ -3,7 +3,7 @@
 import math
 
 from crashkit.protocols import ParameterSpec, SpringLaw
-from crashkit_spring_laws.shared import CLEARANCE, ENGAGEMENT
+from crashkit_spring_laws.shared import CLEARANCE, ENGAGEMENT, TENSION
 
 
 class Viscous(SpringLaw):
@@ -20,6 +20,30 @@ class Viscous(SpringLaw):
     def force(d: float, ddot: float, d_max: float, damping: float, clearance: float, engagement: float) -> float:
         """The force, N, compression positive."""
         return damping * ddot * min(1.0, max(0.0, d - clearance) / engagement)
+
+
+class ViscousPower(SpringLaw):
+    """A damper of any exponent: F = c ddot (ddot^2 + v^2)^((n - 1) / 2) max(tension, min(1, max(0, d) / engagement)).
+
+    n = 1 is a dashpot, n = 2 an orifice, n below 1 a relief valve or a seal; v = 0.01 m/s keeps the slope finite at rest. With
+    `tension` 1 it is fixed at both ends and acts also where the joint is not compressed.
+    """
+
+    name = "viscous_power"
+    parameters = (
+        ParameterSpec("damping", "N (s/m)^n", "force at a rate of 1 m/s (c)", lower=0.0, null=0.0),
+        ParameterSpec("exponent", "1", "of the rate (n)", lower=0.1, upper=3.0),
+        TENSION,
+        ENGAGEMENT,
+    )
+
+    @staticmethod
+    def force(
+        d: float, ddot: float, d_max: float, damping: float, exponent: float, tension: float, engagement: float
+    ) -> float:
+        """The force, N, compression positive."""
+        size = (ddot * ddot + 1e-4) ** (0.5 * (exponent - 1.0))
+        return damping * ddot * size * max(tension, min(1.0, max(0.0, d) / engagement))
 
 
 class Coulomb(SpringLaw):
