@@ -1,4 +1,7 @@
-"""`python -m benchmarks [NAME] [--json FILE]`: runs one study, or lists them."""
+"""`python -m benchmarks [NAME] [--json FILE]`: runs one study, or lists them.
+
+A study that has options of its own adds them in `add_arguments(parser)`, and its `run` is given them.
+"""
 
 import json
 from argparse import ArgumentParser
@@ -15,14 +18,21 @@ COLUMNS = ("case", "measure", "unit", "ours", "peer", "theirs", "ratio")
 def main(argv: Sequence[str] | None = None) -> None:
     """Run a study, print its table, write its JSON."""
     names = [module.name for module in iter_modules([str(Path(__file__).parent)]) if not module.name.startswith("_")]
-    parser = ArgumentParser("python -m benchmarks", description="Measures crashkit beside its peers.")
-    parser.add_argument("name", nargs="?", choices=names, help="the study; omitted: list them")
-    parser.add_argument("--json", metavar="FILE", type=Path, help="where to write the rows")
-    arguments = parser.parse_args(argv)
-    if arguments.name is None:
+    first = ArgumentParser("python -m benchmarks", add_help=False)
+    first.add_argument("name", nargs="?", choices=names, help="the study; omitted: list them")
+    first.add_argument("--json", metavar="FILE", type=Path, help="where to write the rows")
+    parser = ArgumentParser("python -m benchmarks", description="Measures crashkit beside its peers.", parents=[first])
+    name = first.parse_known_args(argv)[0].name
+    if name is None:
+        parser.parse_args(argv)
         print("\n".join(names))
         return
-    rows = [as_dict(row) for row in import_module(f"benchmarks.{arguments.name}").run()]
+    study = import_module(f"benchmarks.{name}")
+    has_options = hasattr(study, "add_arguments")
+    if has_options:
+        study.add_arguments(parser)
+    arguments = parser.parse_args(argv)
+    rows = [as_dict(row) for row in (study.run(arguments) if has_options else study.run())]
     print(table(rows))
     if arguments.json:
         arguments.json.write_text(json.dumps({"benchmark": arguments.name, "rows": rows}, indent=1) + "\n")

@@ -8,7 +8,7 @@ import numpy as np
 from attrs import frozen
 
 from crashkit.diagnose.cores import spread
-from crashkit.diagnose.reidentify import best_of_many
+from crashkit.diagnose.reidentify import scattered
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.score import Score, score
 from crashkit.diagnose.search import Search, advance_all, begin_all
@@ -35,6 +35,10 @@ GENUINE = 0.85
 imitate much of any effect, and more closely than a known law whose form is slightly off."""
 POLISHED = 2
 """How many of the leading claims are then searched again."""
+SCATTERED = 8
+"""From how many starts each of their forms."""
+POLISHING = ((200, 5), (24, 10), (5, 60))
+"""The heats of that."""
 LEAST_PROMISE = 1e-3
 """A drop in chi squared below this says that nothing of the effect is excited."""
 SEEN = 4.5
@@ -110,7 +114,7 @@ def fit_rivals(
     strained = base.departure(base.start()) > STRAINED
     if strained or np.sqrt(reference / base.independent_samples) > CONCEALED:
         entrants += _entrants(workshop, given, _scores(workshop, given, proposals, np.inf, progress), STARTS)
-    fitted = [_rival(p, search, base.deviance(residual)) for p, search in _heats(entrants, progress)]
+    fitted = [_rival(p, search, base.deviance(residual)) for p, search in _heats(entrants, HEATS, progress)]
     ranked = sorted(fitted, key=lambda rival: -rival.evidence)
     if ranked and ranked[0].search.normalised > FLOOR:
         ranked += _polished(workshop, given, ranked, proposals, base.deviance(residual), progress)
@@ -161,15 +165,14 @@ def _polished(
     in a local optimum.
     """
     forms = [p for p in proposals if p.physics != UNKNOWN and _leads(p, ranked)]
-    polished = []
-    for done, proposal in enumerate(forms):
-        progress(f"searching again for {proposal.physics} at {place_of(proposal.location)}", done / len(forms))
+    entrants: list[Entrant] = []
+    for proposal in forms:
         found = next((r.search for r in ranked if r.proposal is proposal), None)
         known = found.misfit.values(found.point) if found else {}
         new = {name: known[name] for name in proposal.parameters if name in known} or dict(proposal.starts[0])
-        search = best_of_many(workshop.identifier, workshop.misfit(given, proposal.model).with_values(new))
-        polished.append(_rival(proposal, search, reference))
-    return polished
+        misfits = scattered(workshop.misfit(given, proposal.model).with_values(new), SCATTERED)
+        entrants += [(proposal, search) for search in begin_all(workshop.identifier, misfits)]
+    return [_rival(proposal, search, reference) for proposal, search in _heats(entrants, POLISHING, progress)]
 
 
 def _leads(proposal: Proposal, ranked: Sequence[Rival]) -> bool:
@@ -225,9 +228,9 @@ def _first_of_each(ranked: Sequence[tuple[Proposal, Score]], most: int) -> list[
     return chosen
 
 
-def _heats(entrants: Sequence[Entrant], progress: Progress) -> list[Entrant]:
+def _heats(entrants: Sequence[Entrant], heats: Sequence[tuple[int, int]], progress: Progress) -> list[Entrant]:
     """Successive halving: a few steps for all, then many steps for the few that are ahead."""
-    for size, steps in HEATS:
+    for size, steps in heats:
         ahead = sorted(entrants, key=lambda entrant: entrant[1].state.cost)[:size]
         proposals = [proposal for proposal, _ in ahead]
         told = partial(_told, progress, proposals)

@@ -38,15 +38,16 @@ def refine(identifier: Identifier[Any], misfit: Misfit) -> Search:
 
 def best_of_many(identifier: Identifier[Any], misfit: Misfit) -> Search:
     """The best of several searches that begin at the model's values and around them."""
-    searches = begin_all(identifier, [misfit.with_values(misfit.values(start)) for start in _starts(misfit)])
+    searches = begin_all(identifier, scattered(misfit, HEATS[0][0]))
     for size, steps in HEATS:
         searches = advance_all(sorted(searches, key=lambda search: search.state.cost)[:size], steps)
     return min(searches, key=lambda search: search.state.cost)
 
 
-def _starts(misfit: Misfit) -> list[np.ndarray]:
-    """The given values, and others scattered about them within the bounds; the same each time."""
+def scattered(misfit: Misfit, count: int) -> list[Misfit]:
+    """The misfit at its model's values, and at others scattered about them within the bounds; the same each time."""
     start, (lower, upper) = misfit.start(), misfit.bounds()
     relative = np.abs(misfit.parameters(start)) / misfit.scaling(start)
-    scatter = np.random.default_rng(0).normal(0.0, SCATTER, (HEATS[0][0] - 1, len(start)))
-    return [start, *(np.clip(start + move * relative, lower, upper) for move in scatter)]
+    scatter = np.random.default_rng(0).normal(0.0, SCATTER, (count - 1, len(start)))
+    points = [start, *(np.clip(start + move * relative, lower, upper) for move in scatter)]
+    return [misfit.with_values(misfit.values(point)) for point in points]

@@ -74,7 +74,7 @@ def action_of(
     workshop: Workshop, final: Misfit, without: Misfit, rival: Rival, unseen: tuple[Misfit, ...]
 ) -> dict[str, xr.Dataset]:
     """What a finding adds at its place, and what the recordings ask for there, by run; empty for a sensor."""
-    bodies = _bodies_at(final.model, rival.proposal.location)
+    bodies = _bodies_at(without.model, rival.proposal.location)
     if bodies is None:
         return {}
     stripped = _stripped(without.model, final.model)
@@ -120,7 +120,7 @@ def _stripped(without: Model, final: Model) -> Model:
 
 
 def _bodies_at(model: Model, location: Mapping[str, object]) -> tuple[str, str] | None:
-    """The two bodies that the missing force acts between."""
+    """The two bodies that the missing force acts between; None for the only obstacle, which has nothing to be held by."""
     if "joint" in location:
         return model.joint(str(location["joint"])).bodies
     if "bodies" in location:
@@ -128,8 +128,9 @@ def _bodies_at(model: Model, location: Mapping[str, object]) -> tuple[str, str] 
         assert isinstance(pair, list | tuple)  # as Proposal says
         return str(pair[0]), str(pair[1])
     if "body" in location:
-        fixed = next((body.name for body in model.bodies if body.fixed), None)
-        return (fixed, str(location["body"])) if fixed else None
+        name = str(location["body"])
+        fixed = next((body.name for body in model.bodies if body.fixed and body.name != name), None)
+        return (fixed, name) if fixed else None
     return None
 
 

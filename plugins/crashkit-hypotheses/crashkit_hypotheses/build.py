@@ -7,10 +7,13 @@ import numpy as np
 import xarray as xr
 from attrs import evolve
 
-from crashkit.model import Joint, Model, Parameter
+from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.model.edit import fresh_name, with_factor, with_joint
 from crashkit.protocols import Proposal
 from crashkit.registry import load
+
+NEVER_TURNS = 1e9
+"""m2, moment of inertia over mass of a body that does not turn."""
 
 
 def parallel(
@@ -110,6 +113,17 @@ def largest_deformation(motions: Sequence[xr.Dataset], joint: str) -> float:
     return max(float(np.nanmax(motion["deformation"].sel(joint=joint).values)) for motion in motions)
 
 
+def largest_extension(motions: Sequence[xr.Dataset], joint: str) -> float:
+    """m, over all runs; 0 where it was never stretched."""
+    return max(float(-np.nanmin(motion["deformation"].sel(joint=joint).values, initial=0.0)) for motion in motions)
+
+
+def pulls(motions: Sequence[xr.Dataset], joint: str) -> bool:
+    """Whether a joint pulled in some run."""
+    stretched = largest_extension(motions, joint) > 0.0
+    return stretched and min(float(np.nanmin(one["force"].sel(joint=joint).values)) for one in motions) < 0.0
+
+
 def largest_force(motions: Sequence[xr.Dataset], joint: str) -> float:
     """N, over all runs."""
     return max(float(np.nanmax(np.abs(motion["force"].sel(joint=joint).values))) for motion in motions)
@@ -126,8 +140,28 @@ def largest_approach(motions: Sequence[xr.Dataset], first: str, second: str) -> 
 
 
 def _approach(separation: xr.DataArray) -> float:
-    distance = np.abs(separation.isel(axis=0).values)
+    distance = np.linalg.norm(separation.transpose("time", "axis").values, axis=1)
     return float(distance[0] - distance.min())
+
+
+def sampling_interval(recordings: Sequence[xr.DataTree]) -> float:
+    """s, of the fastest instrument; 1 ms where there is none."""
+    groups = [group.to_dataset(inherit=False) for recording in recordings for group in recording.children.values()]
+    stamps = [group["time"].values for group in groups if group.sizes.get("time", 0) > 1]
+    return min((float(np.median(np.diff(times))) for times in stamps), default=1e-3)
+
+
+def plane_inertia(model: Model, mass: float) -> tuple[Parameter, ...]:
+    """Of a body that shall not turn, kg m2: none on a line, where nothing turns."""
+    return tuple(Parameter(NEVER_TURNS * mass, fixed=True) for _ in range({1: 0, 2: 1, 3: 3}[len(model.axes)]))
+
+
+def forward(model: Model, body: Body) -> tuple[float, ...] | None:
+    """The direction of travel, along which bodies at one place press on each other; None on a line, which has no other."""
+    if len(model.axes) == 1:
+        return None
+    speed = float(np.linalg.norm(body.velocity))
+    return tuple(v / speed for v in body.velocity) if speed else (1.0, *(0.0 for _ in body.velocity[1:]))
 
 
 def _own_length(joint: Joint) -> Parameter | None:

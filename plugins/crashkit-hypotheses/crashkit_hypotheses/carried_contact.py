@@ -10,6 +10,7 @@ from attrs import evolve, frozen
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.model.edit import fresh_name, with_body, with_joint
 from crashkit.protocols import Proposal
+from crashkit_hypotheses.build import forward, plane_inertia
 
 PLASTIC = 50.0
 """Unloading over loading slope: a crushed structure gives hardly any energy back. The channels of a carrier cannot tell a load
@@ -87,11 +88,15 @@ def _proposal(model: Model, carrier: Body, mass: float, obstacle: str, found: Me
     rest = Parameter(mass - found.mass, 0.5 * mass, 1.05 * mass)
     weight = Parameter(found.mass, SHARES[0] * mass, SHARES[1] * mass)
     lighter = evolve(model, bodies=tuple(evolve(b, mass=rest) if b.name == carrier.name else b for b in model.bodies))
-    augmented = with_body(lighter, Body(load, carrier.position, carrier.velocity, weight, carrier=carrier.name))
+    inertia = plane_inertia(model, found.mass)
+    augmented = with_body(
+        lighter, Body(load, carrier.position, carrier.velocity, weight, carrier=carrier.name, inertia=inertia)
+    )
     # Deformation grows as the first body moves on towards the second.
     laws = {mount: _mount(found), contact: _crushed(found) if form == "crushing_contact" else _contact(found)}
     for name, bodies in ((mount, (carrier.name, load)), (contact, (load, obstacle))):
-        augmented = with_joint(augmented, Joint(name, bodies, "crush_plateau", laws[name]))
+        joint = Joint(name, bodies, "crush_plateau", laws[name], normal=forward(model, carrier))
+        augmented = with_joint(augmented, joint)
     masses = (f"body.{carrier.name}.mass", f"body.{load}.mass")
     free = {f"joint.{name}.{key}": value for name, law in laws.items() for key, value in law.items() if not value.fixed}
     starts = tuple(_starts(masses, mount, contact, free, mass, found))

@@ -10,7 +10,7 @@ from attrs import frozen
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.model.edit import fresh_name, with_body, with_joint
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import grid
+from crashkit_hypotheses.build import forward, grid, plane_inertia
 from crashkit_hypotheses.carried_contact import meets_obstacle
 
 MASS_SHARES = (0.01, 0.05, 0.2)
@@ -156,8 +156,11 @@ def _loaded(carrier: Carrier, form: str, law: str, parameters: Parameters, start
     weight = Parameter(0.1 * mass, 1e-3 * mass, 2.0 * mass)
     # The load comes first, so that its pressing forward counts as compression.
     augmented = with_joint(
-        with_body(model, Body(load, body.position, body.velocity, weight, carrier=body.name)),
-        Joint(joint, (load, body.name), law, dict(parameters)),
+        with_body(
+            model,
+            Body(load, body.position, body.velocity, weight, carrier=body.name, inertia=plane_inertia(model, mass)),
+        ),
+        Joint(joint, (load, body.name), law, dict(parameters), normal=forward(model, body)),
     )
     paths = {"mass": f"body.{load}.mass", **{name: f"joint.{joint}.{name}" for name in parameters}}
     named = tuple({paths[name]: value for name, value in start.items()} for start in starts)

@@ -1,114 +1,78 @@
-"""An instrument is wrong: its sensitivity, its offset, its clock."""
+"""An instrument is wrong by a number: its sensitivity, its offset, its clock."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import ClassVar
 
-import numpy as np
 import xarray as xr
-from attrs import frozen
 
 from crashkit.model import Model, Parameter
-from crashkit.model.edit import with_instrument_error
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit.registry import load
-from crashkit_hypotheses.build import proposal
+from crashkit_hypotheses.accused import accused, fault
 
 
-@frozen
-class Accused:
-    """A sensor, or (`sensor` empty) a whole instrument, that can have the error `name`, and its largest reading."""
+class GainError(Hypothesis):
+    """recorded = g x true, g other than 1.
 
-    instrument: str
-    sensor: str
-    name: str
-    null: float
-    largest: float
+    Along one axis a sensor that is tilted by an angle reads cos(angle) of the truth: no recording of that axis alone tells the
+    two apart.
+    """
 
-
-class InstrumentFault(Hypothesis):
-    """One of the error parameters that the recordings' Observers declare."""
-
-    error: ClassVar[str]
+    physics: ClassVar[str] = "gain_error"
+    sentence: ClassVar[str] = (
+        "the sensitivity of {place} is wrong (or, where it reads too little along one axis, it is tilted)"
+    )
     sensor: ClassVar[bool] = True
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Every sensor (or instrument) whose Observer knows this error and that is not identified already."""
-        known = model.parameters()
-        accused = [a for a in _accused(recordings, self.error) if f"{_prefix(a)}{a.name}" not in known]
-        return [self._fault(model, one) for one in accused]
-
-    def bounds(self, largest: float) -> tuple[float, float]:
-        """How wrong it may be, given the largest reading."""
-        return -largest, largest
-
-    def _fault(self, model: Model, accused: Accused) -> Proposal:
-        parameter = Parameter(accused.null, *self.bounds(accused.largest))
-        augmented = with_instrument_error(model, accused.instrument, accused.sensor, accused.name, parameter)
-        location = {"sensor": accused.sensor, "instrument": accused.instrument}
-        place = location if accused.sensor else {"instrument": accused.instrument}
-        parameters = {accused.name: parameter}
-        return proposal(
-            self.physics, "constant", place, augmented, _prefix(accused), parameters, accused.name, ({},), accused.null
-        )
+        """Every sensor, from a fifth to five times the stated sensitivity."""
+        gain = {"gain": Parameter(1.0, 0.2, 5.0)}
+        return [fault(self.physics, "constant", model, one, gain, "gain") for one in accused(model, recordings, ["gain"])]
 
 
-class GainError(InstrumentFault):
-    """recorded = g x true, g other than 1."""
-
-    physics: ClassVar[str] = "gain_error"
-    sentence: ClassVar[str] = "the sensitivity of {place} is wrong"
-    error: ClassVar[str] = "gain"
-
-    def bounds(self, largest: float) -> tuple[float, float]:
-        """From a fifth to five times the stated sensitivity."""
-        return 0.2, 5.0
-
-
-class Bias(InstrumentFault):
-    """recorded = true + b."""
+class Bias(Hypothesis):
+    """recorded = true + b, or true + b + b' t."""
 
     physics: ClassVar[str] = "bias"
     sentence: ClassVar[str] = "{place} has an offset"
-    error: ClassVar[str] = "bias"
+    sensor: ClassVar[bool] = True
+
+    def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
+        """Every sensor; an offset that drifts where the Observer knows of one."""
+        constant = [
+            fault(self.physics, "constant", model, one, {"bias": _within(one.largest)}, "bias")
+            for one in accused(model, recordings, ["bias"])
+        ]
+        duration = max(float(run["time"].values[-1]) for run in motion)
+        drifting = [
+            fault(
+                self.physics,
+                "drift",
+                model,
+                one,
+                {"bias_drift": _within(one.largest / duration), "bias": _within(one.largest)},
+                "bias_drift",
+            )
+            for one in accused(model, recordings, ["bias_drift", "bias"])
+        ]
+        return [*constant, *drifting]
 
 
-class ClockOffset(InstrumentFault):
+class ClockOffset(Hypothesis):
     """recorded(t) = true(t - tau)."""
 
     physics: ClassVar[str] = "clock_offset"
     sentence: ClassVar[str] = "the clock of {place} is shifted against the others"
-    error: ClassVar[str] = "clock_offset"
+    sensor: ClassVar[bool] = True
 
-    def bounds(self, largest: float) -> tuple[float, float]:
-        """Within 20 ms."""
-        return -0.02, 0.02
-
-
-def _prefix(accused: Accused) -> str:
-    return f"instrument.{accused.instrument}.{accused.sensor}."
-
-
-def _accused(recordings: Sequence[xr.DataTree], error: str) -> list[Accused]:
-    """Each once, with its largest reading over all recordings."""
-    largest: dict[tuple[str, str], Accused] = {}
-    for one in (one for recording in recordings for one in _of_recording(recording, error)):
-        before = largest.get((one.instrument, one.sensor))
-        if before is None or before.largest < one.largest:
-            largest[one.instrument, one.sensor] = one
-    return list(largest.values())
+    def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
+        """Every instrument, within 20 ms."""
+        offset = {"clock_offset": Parameter(0.0, -0.02, 0.02)}
+        return [
+            fault(self.physics, "constant", model, one, offset, "clock_offset")
+            for one in accused(model, recordings, ["clock_offset"])
+        ]
 
 
-def _of_recording(recording: xr.DataTree, error: str) -> Iterator[Accused]:
-    observers = load().observers
-    for name, group in recording.children.items():
-        observer = observers.get(str(group.attrs.get("observer")))
-        spec = next((spec for spec in observer.errors if spec.name == error), None) if observer else None
-        if observer is None or spec is None or spec.null is None:
-            continue
-        if error in observer.instrument_errors:
-            yield Accused(name, "", error, spec.null, 0.0)
-            continue
-        instrument = group.to_dataset(inherit=False)
-        for sensor in instrument[observer.channel].values:
-            readings = instrument[observer.quantity].sel({observer.channel: sensor}).values
-            yield Accused(name, str(sensor), error, spec.null, float(np.nanmax(np.abs(readings))))
+def _within(largest: float) -> Parameter:
+    """No larger than the largest reading."""
+    return Parameter(0.0, -largest, largest)

@@ -24,8 +24,8 @@ class RateDependence(Hypothesis):
     sentence: ClassVar[str] = "the force of {place} rises with its deformation rate"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Three forms at every joint that has no factor of its own yet."""
-        return [form for joint in model.joints if not joint.factors for form in self._forms(model, joint)]
+        """Three forms at every joint that has no rate factor yet."""
+        return [form for joint in model.joints if not _has_rate(joint) for form in self._forms(model, joint)]
 
     def _forms(self, model: Model, joint: Joint) -> list[Proposal]:
         powers = grid(rate_exponent=(0.2, 0.6))
@@ -34,3 +34,7 @@ class RateDependence(Hypothesis):
             multiplied(model, joint, self.physics, "power", "rate_power", POWER, "rate_amplitude", powers),
             multiplied(model, joint, self.physics, "logarithm", "rate_logarithm", LOGARITHM, "rate_amplitude"),
         ]
+
+
+def _has_rate(joint: Joint) -> bool:
+    return any(factor.startswith("rate_") for factor in joint.factors)

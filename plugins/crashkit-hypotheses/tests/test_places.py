@@ -7,7 +7,7 @@ from attrs import evolve
 
 from crashkit.mechanics import Simulator
 from crashkit.model import Joint, Parameter
-from crashkit.model.edit import with_instrument_error, with_joint
+from crashkit.model.edit import with_factor, with_instrument_error, with_joint
 from crashkit.registry import load
 from crashkit.testing import toys
 
@@ -49,6 +49,9 @@ PLACES = {
     "ground_friction": MOVING,
     "carried_load": MOVING,
     "bottoming": BOTH_JOINTS,
+    "fracture": BOTH_JOINTS,
+    "relaxation": BOTH_JOINTS,
+    "obstacle_motion": {(("body", "wall"),)},
     "clearance": BOTH_JOINTS,
     "joint_friction": BOTH_JOINTS,
     "peak_load": BOTH_JOINTS,
@@ -66,6 +69,9 @@ PLACES = {
     },
 }
 PLACES["bias"] = PLACES["gain_error"]
+PLACES["saturation"] = PLACES["mounting_resonance"] = {
+    (("instrument", "accelerometer"), ("sensor", f"{body}_sensor")) for body in ("front", "rear")
+}
 
 
 @pytest.mark.parametrize("physics", PLACES)
@@ -89,7 +95,8 @@ def test_a_mass_that_is_identified_already_is_not_doubted(propose):
 
 def test_a_joint_that_is_never_compressed_hides_nothing(propose, runs):
     still = [run.assign(deformation=run["deformation"] * [1.0, 0.0]) for run in runs]
-    for physics in ("bottoming", "peak_load", "viscous_damping", "joint_friction", "unknown", "plastic_unloading"):
+    pressed = ("bottoming", "peak_load", "viscous_damping", "joint_friction", "unknown", "plastic_unloading", "relaxation")
+    for physics in pressed:
         assert places(propose(physics, motion=still)) == {(("joint", "first"),)}, physics
 
 
@@ -118,6 +125,45 @@ def test_what_the_model_has_already_is_not_proposed(propose, model, physics):
 def test_a_joint_with_a_rate_factor_takes_no_other(propose, model):
     has = evolve(model, joints=(evolve(model.joints[0], factors=("rate_linear",)), model.joints[1]))
     assert places(propose("rate_dependence", has)) == {(("joint", "second"),)}
+
+
+def test_a_joint_that_breaks_already_may_also_depend_on_rate_and_does_not_break_twice(propose, model):
+    broken = {"fracture_deformation": Parameter(0.3), "loss": Parameter(0.5)}
+    has = with_factor(model, "first", "fracture", broken)
+    assert places(propose("rate_dependence", has)) == BOTH_JOINTS
+    assert places(propose("fracture", has)) == {(("joint", "second"),)}
+
+
+def test_a_joint_tears_only_where_it_pulls(propose, model, engine):
+    assert {p.form for p in propose("fracture")} == {"compression"}
+    pulling = model.with_parameters({"joint.first.tension": Parameter(1.0, fixed=True)})
+    motion = [Simulator(pulling, load().spring_laws, engine).run(np.linspace(0.0, 1.0, 501))]
+    tears = [p for p in propose("fracture", pulling, motion) if p.form == "tear"]
+    assert places(tears) == {(("joint", "first"),)}
+
+
+def test_an_obstacle_that_nothing_presses_on_does_not_move(propose, runs):
+    still = [run.assign(force=run["force"] * [0.0, 1.0]) for run in runs]
+    assert propose("obstacle_motion", motion=still) == []
+
+
+def test_a_load_cell_feels_what_holds_its_body_so_only_a_free_obstacle_is_proposed_to_it(propose, runs):
+    cell = {"force": (("time", "sensor", "axis"), np.zeros((3, 1, 1))), "sensor_body": ("sensor", ["wall"])}
+    wall = xr.DataTree.from_dict({"cell": xr.Dataset(cell)})
+    assert [p.form for p in propose("obstacle_motion", recordings=[wall])] == ["free"]
+    assert [p.form for p in propose("obstacle_motion")] == ["free", "sliding", "sprung"]
+
+
+def test_the_search_for_a_resonance_begins_where_the_sensor_rings(propose, runs):
+    recordings = [toys.recording(run) for run in runs]
+    for recording in recordings:
+        group = recording["accelerometer"].to_dataset(inherit=False)
+        tone = 5.0 * np.sin(2.0 * np.pi * 110.0 * group["time"]) * np.exp(-3.0 * group["time"])
+        group["acceleration"] = group["acceleration"] + tone * (group["sensor"] == "rear_sensor")
+        recording["accelerometer"] = xr.DataTree(group)
+    ringing = next(p for p in propose("mounting_resonance", None, runs, recordings) if p.location["sensor"] == "rear_sensor")
+    found = [start["instrument.accelerometer.rear_sensor.resonance_frequency"] for start in ringing.starts]
+    assert found[0] == pytest.approx(110.0, abs=2.0)
 
 
 def test_an_error_that_is_identified_already_is_not_accused(propose, model):

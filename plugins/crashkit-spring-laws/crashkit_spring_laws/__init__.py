@@ -2,8 +2,9 @@
 
 from crashkit_spring_laws.buckling import Folding, Peak
 from crashkit_spring_laws.crush_plateau import CrushPlateau
-from crashkit_spring_laws.dampers import Coulomb, Viscous
+from crashkit_spring_laws.dampers import Coulomb, Viscous, ViscousPower
 from crashkit_spring_laws.fracture import Brittle, Fracture, Tear
+from crashkit_spring_laws.gradual_loss import Fading, Softening
 from crashkit_spring_laws.hysteresis import BoucWen
 from crashkit_spring_laws.measured_curve import MeasuredCurve
 from crashkit_spring_laws.piecewise_affine import PiecewiseAffine
@@ -23,6 +24,7 @@ SPRING_LAWS = (
     RatePower,
     RateLogarithm,
     Viscous,
+    ViscousPower,
     Coulomb,
     Maxwell,
     LinearStop,
@@ -33,6 +35,8 @@ SPRING_LAWS = (
     Fracture,
     Brittle,
     Tear,
+    Softening,
+    Fading,
     SmoothTable,
     RateTable,
 )
@@ -43,6 +47,7 @@ __all__ = [
     "Brittle",
     "Coulomb",
     "CrushPlateau",
+    "Fading",
     "Folding",
     "Fracture",
     "LinearStop",
@@ -56,8 +61,10 @@ __all__ = [
     "RatePower",
     "RateTable",
     "SmoothTable",
+    "Softening",
     "Tear",
     "TensionSpring",
     "Tie",
     "Viscous",
+    "ViscousPower",
 ]

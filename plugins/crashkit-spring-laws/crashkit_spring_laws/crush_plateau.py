@@ -8,10 +8,12 @@ class CrushPlateau(SpringLaw):
     """Elastic slope, buckling plateau, densification slope (Mizzi & Jezequel 1992, Fig 2, eq 1 and 40).
 
     With x = d - clearance, F_load = alpha x up to delta; delta up to x = max(gamma, delta / alpha); then + beta (x - that).
-    F = max(0, F_load(d_max) - k (d_max - d)) max(0, 1 + a ddot); without unloading stiffness k, F_load(d) replaces the first.
+    F_s = F_load(d_max) - k (d_max - d); without unloading stiffness k, F_s = F_load(d).
+    F = F_s max(0, 1 + a ddot) where F_s pushes, and F = tension F_s max(0, 1 - a ddot) where it pulls.
 
-    With `tension` the elastic line goes on below x = 0 and the unloading line below F = 0, and so both pull: a member that was
-    never crushed beyond its clearance pulls along the unloading line from its elastic force at d_max.
+    With `tension` the elastic line goes on below x = 0 and the unloading line below F_s = 0, and so both pull: a member that
+    was never crushed beyond its clearance pulls along the unloading line from its elastic force at d_max. The rate raises what
+    resists, and lowers what is given back. An unloading stiffness below a loading slope would give back more than it took.
     """
 
     name = "crush_plateau"
@@ -52,6 +54,6 @@ class CrushPlateau(SpringLaw):
         else:
             static = elastic_stiffness * x
         static = static + added - unloading_stiffness * (turn - d)
-        if tension == 0.0:
-            static = max(0.0, static)
-        return static * max(0.0, 1.0 + rate_coefficient * ddot)
+        if static >= 0.0:
+            return static * max(0.0, 1.0 + rate_coefficient * ddot)
+        return tension * static * max(0.0, 1.0 - rate_coefficient * ddot)

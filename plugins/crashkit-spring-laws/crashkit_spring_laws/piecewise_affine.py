@@ -11,10 +11,11 @@ class PiecewiseAffine(SpringLaw):
     """A succession of affine segments (Mizzi & Jezequel 1992, Fig 2).
 
     With x = d - clearance, F_load is the broken line from (0, 0) through (deformation[i], force[i]), then `final_stiffness`.
-    F = max(0, F_load(d_max) - k (d_max - d)) max(0, 1 + a ddot); without unloading stiffness k, F_load(d) replaces the first.
+    F_s = F_load(d_max) - k (d_max - d); without unloading stiffness k, F_s = F_load(d).
+    F = F_s max(0, 1 + a ddot) where F_s pushes, and F = tension F_s max(0, 1 - a ddot) where it pulls.
 
     Where the first corner is at deformation 0, its force is reached within 0.1 mm, because a force must be continuous.
-    With `tension` the first line goes on below x = 0, the unloading line goes on below F = 0, and so both pull.
+    With `tension` the first line goes on below x = 0, the unloading line goes on below F_s = 0, and so both pull.
     """
 
     name = "piecewise_affine"
@@ -62,6 +63,6 @@ class PiecewiseAffine(SpringLaw):
         if deformation[0] == 0.0:
             static = static + force[0] * min(0.0, x / RISE - 1.0)
         static = static + added - unloading_stiffness * (turn - d)
-        if tension == 0.0:
-            static = max(0.0, static)
-        return static * max(0.0, 1.0 + rate_coefficient * ddot)
+        if static >= 0.0:
+            return static * max(0.0, 1.0 + rate_coefficient * ddot)
+        return tension * static * max(0.0, 1.0 - rate_coefficient * ddot)

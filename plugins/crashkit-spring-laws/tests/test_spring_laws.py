@@ -3,14 +3,18 @@
 import math
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from crashkit.testing import SpringLawContract
+from crashkit.testing.spring_law_probe import Probe
 from crashkit_spring_laws import (
     SPRING_LAWS,
     BoucWen,
     Brittle,
     Coulomb,
     CrushPlateau,
+    Fading,
     Folding,
     Fracture,
     LinearStop,
@@ -24,6 +28,7 @@ from crashkit_spring_laws import (
     RatePower,
     RateTable,
     SmoothTable,
+    Softening,
     Tear,
     TensionSpring,
     Tie,
@@ -42,7 +47,9 @@ CORNERS = {"deformation": [0.1, 0.2, 0.5], "force": [8e4, 5e4, 2e5], "final_stif
 EXAMPLES = [
     (CrushPlateau, PLATEAU),
     (CrushPlateau, PLATEAU | {"unloading_stiffness": 4e6, "rate_coefficient": 0.02, "clearance": 0.05}),
+    (CrushPlateau, PLATEAU | {"unloading_stiffness": 4e6, "rate_coefficient": 0.02, "tension": 1.0}),
     (PiecewiseAffine, CORNERS),
+    (PiecewiseAffine, CORNERS | {"rate_coefficient": 0.03, "tension": 1.0}),
     (PiecewiseAffine, CORNERS | {"unloading_stiffness": 2e6, "rate_coefficient": 0.1, "clearance": 0.1}),
     (PiecewiseAffine, {"deformation": [0.0], "force": [0.0], "final_stiffness": 1e5}),
     (RateLinear, {"rate_slope": 0.02}),
@@ -67,6 +74,8 @@ EXAMPLES = [
     (Fracture, {"fracture_deformation": 0.3, "loss": 0.7}),
     (Brittle, {"stiffness": 1e6, "fracture_deformation": 0.3}),
     (Tear, {"tear_extension": 0.05, "loss": 0.7}),
+    (Softening, {"softening_deformation": 0.3, "softening_length": 0.2, "loss": 0.7}),
+    (Fading, {"fading_share": 0.6, "relaxation_time": 0.02}),
     (Tie, {"stiffness": 1e6, "damping": 2e3, "slack": 0.05}),
 ]
 
@@ -138,6 +147,40 @@ def test_tension_pulls():
     assert value(PiecewiseAffine, -0.1, **CORNERS, tension=1.0) == pytest.approx(-8e4)
 
 
+@pytest.mark.parametrize(("law", "parameters"), [(CrushPlateau, PLATEAU), (PiecewiseAffine, CORNERS)])
+def test_the_rate_raises_what_resists_and_lowers_what_is_given_back(law, parameters):
+    pulls = parameters | {"tension": 1.0, "rate_coefficient": 0.02}
+    for d in (-0.1, 0.1):
+        at_rest, apart, together = (value(law, d, ddot=ddot, **pulls) for ddot in (0.0, -5.0, 5.0))
+        resisting, returning = (together, apart) if d > 0.0 else (apart, together)
+        assert resisting == pytest.approx(1.1 * at_rest)
+        assert returning == pytest.approx(0.9 * at_rest)
+        assert value(law, d, ddot=math.copysign(60.0, -d), **pulls) == 0.0
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    law=st.sampled_from([CrushPlateau, PiecewiseAffine]),
+    unloading=st.just(0.0) | st.floats(1.1e6, 1e7),
+    rate=st.floats(0.0, 0.2),
+    clearance=st.floats(0.0, 0.2),
+    tension=st.sampled_from([0.0, 0.5, 1.0]),
+    reach=st.floats(0.05, 1.0),
+    seed=st.integers(0, 1000),
+)
+def test_no_motion_gains_energy(law, unloading, rate, clearance, tension, reach, seed):
+    """Pushing and pulling, at any rate: what was taken in is never exceeded by what is given back."""
+    shape = PLATEAU if law is CrushPlateau else CORNERS
+    varied = {
+        "unloading_stiffness": unloading,
+        "rate_coefficient": rate,
+        "clearance": 0.0 if tension else clearance,
+        "tension": tension,
+    }
+    stored, taken = Probe(law, shape | varied, (reach, 20.0)).energy(seed)
+    assert stored >= -1e-4 * taken
+
+
 @pytest.mark.parametrize(
     ("d", "expected"), [(-0.1, 0.0), (0.05, 4e4), (0.1, 8e4), (0.15, 6.5e4), (0.35, 1.25e5), (0.6, 2.4e5)]
 )
@@ -184,3 +227,17 @@ def test_tables():
     forces = [value(RateTable, 0.1, ddot=rate, **rates) for rate in (-5.0, 5.0)]
     assert forces == pytest.approx([-1e4 + 2e4 * share, -1e4 * share + 2e4])
     assert value(RateTable, 0.0, ddot=5.0, **rates) == 0.0
+
+
+def test_softening_takes_its_share_over_a_length_and_for_good():
+    member = {"softening_deformation": 0.3, "softening_length": 0.2, "loss": 0.6}
+    whole, half, all_of_it, after = (value(Softening, 0.1, d_max=deepest, **member) for deepest in (0.3, 0.4, 0.5, 0.9))
+    assert [whole, half, all_of_it, after] == pytest.approx([1.0, 0.7, 0.4, 0.4])
+
+
+def test_a_share_fades_under_load_and_comes_back_at_rest():
+    share, time = 0.4, 0.03
+    assert Fading.force(0.1, 0.0, 0.1, 1.0, share, time) == pytest.approx(0.6)
+    assert Fading.memory_rate(0.1, 0.0, 0.1, 0.0, share, time) == pytest.approx(1.0 / time)
+    assert Fading.memory_rate(0.1, 0.0, 0.1, 1.0, share, time) == 0.0
+    assert Fading.memory_rate(-0.1, 0.0, 0.1, 1.0, share, time) == pytest.approx(-1.0 / time)

@@ -1,0 +1,197 @@
+"""Secrets of a joint, each in several functional forms."""
+
+import math
+
+from attrs import evolve
+
+from benchmarks.blind.effect import Effect, Maker, Stage, term
+from benchmarks.blind.forces import Kind
+from benchmarks.blind.vehicle import Scene
+from benchmarks.blind.world import Term
+
+
+def rate_dependence(stage: Stage) -> Effect:
+    """The force level rises with the rate: in proportion, as a power, as Eyring's inverse sine, or up to a limit."""
+    link, form = stage.link(), stage.one_of("linear", "power", "eyring", "saturating")
+    kind, numbers = {
+        "linear": (Kind.RATE_LINEAR, (0.03,)),
+        "power": (Kind.RATE_POWER, (0.3, 10.0, stage.among(0.15, 0.7))),
+        "eyring": (Kind.RATE_EYRING, (0.08, stage.among(0.05, 1.0))),
+        "saturating": (Kind.RATE_SATURATING, (0.4, stage.among(0.2, 0.6) * stage.fastest(link))),
+    }[form]
+    return term("rate_dependence", form, link, kind, numbers)
+
+
+def viscous_damping(stage: Stage) -> Effect:
+    """A damper beside the spring: linear, an orifice, a seal; while they touch, or for a mount always."""
+    link, form = stage.link(), stage.one_of("linear", "orifice", "seal")
+    power = {"linear": 1.0, "orifice": stage.among(1.6, 2.0), "seal": stage.among(0.6, 0.8)}[form]
+    always = stage.is_mount(link) and stage.rng.random() < 0.5
+    coefficient = 0.3 * stage.acting(link).level() / max(stage.fastest(link), 0.5) ** power
+    return term("viscous_damping", form, link, Kind.DAMP_ALWAYS if always else Kind.DAMP_TOUCHING, (coefficient, power))
+
+
+def plastic_unloading(stage: Stage) -> Effect:
+    """The model's joint is elastic, a share of the true one unloads along a line, an exponential, or two lines."""
+    link, form = stage.link(), stage.one_of("line", "fading", "two_lines")
+    acting = stage.acting(link)
+    stiffness = acting.numbers.pop("unloading_stiffness")  # what the model believes
+    kind, numbers = {
+        "line": (Kind.UNLOAD_LINE, (1.0, stiffness)),
+        "fading": (Kind.UNLOAD_FADE, (1.0, acting.level() / stiffness)),
+        "two_lines": (Kind.UNLOAD_TWO, (1.0, stiffness, stiffness * stage.among(0.2, 0.5))),
+    }[form]
+    return term("plastic_unloading", form, link, kind, numbers, (0.02, 1.0))
+
+
+def clearance(stage: Stage) -> Effect:
+    """The joint engages after a gap, at once or over a toe."""
+    link, form = stage.link(), stage.one_of("gap", "toe")
+    gap = stage.among(0.1, 0.4) * stage.deepest(link)
+    toe = stage.among(0.1, 0.4) * gap
+    if form == "gap":
+        return term("clearance", form, link, Kind.GAP, (gap,), (0.03, 2.0))
+    return term("clearance", form, link, Kind.TOE, (gap, toe), (0.03, 2.0))
+
+
+def peak_load(stage: Stage) -> Effect:
+    """An undeformed member buckles: a peak where the plateau begins, with a point, a bell, or one that dies slowly."""
+    link, form = stage.link(), stage.one_of("triangle", "bump", "bell")
+    force, place = 0.6 * stage.acting(link).level(), stage.acting(link).elastic_limit() * stage.among(0.85, 1.15)
+    width = place * stage.among(0.25, 0.7)
+    kind, numbers = {
+        "triangle": (Kind.PEAK_TRIANGLE, (force, place, width)),
+        "bump": (Kind.PEAK_BUMP, (force, place)),
+        "bell": (Kind.PEAK_BELL, (force, place, width)),
+    }[form]
+    return term("peak_load", form, link, kind, numbers)
+
+
+def progressive_folding(stage: Stage) -> Effect:
+    """The plateau oscillates: a sine, a saw, arches, or folds that get shorter."""
+    link, form = stage.link(), stage.one_of("sine", "saw", "arches", "shortening")
+    start = stage.acting(link).elastic_limit()
+    length = max(stage.deepest(link) - start, 0.05 * start) / stage.among(2.0, 6.0)
+    kind = {
+        "sine": Kind.FOLD_SINE,
+        "saw": Kind.FOLD_SAW,
+        "arches": Kind.FOLD_ARCHES,
+        "shortening": Kind.FOLD_CHIRP,
+    }[form]
+    numbers = (0.25 * stage.acting(link).level(), length, start, 0.08)
+    return term("progressive_folding", form, link, kind, numbers, (0.02, 3.0))
+
+
+def bottoming(stage: Stage) -> Effect:
+    """The joint stiffens beyond a deformation that the faster runs reach: a line, a parabola, a pole or an exponential."""
+    link, form = stage.link(), stage.one_of("line", "parabola", "pole", "exponential")
+    deepest, force = stage.deepest(link), 2.0 * stage.acting(link).level()
+    start = deepest * stage.among(0.55, 0.85)
+    rest = deepest - start
+    kind, numbers = {
+        "line": (Kind.STOP_LINE, (force / rest, start)),
+        "parabola": (Kind.STOP_PARABOLA, (force, start, rest)),
+        "pole": (Kind.STOP_POLE, (0.5 * force, start, 1.5 * rest)),
+        "exponential": (Kind.STOP_EXPONENTIAL, (0.2 * force, start, 0.5 * rest)),
+    }[form]
+    return term("bottoming", form, link, kind, numbers, (0.01, 10.0))
+
+
+def fracture(stage: Stage) -> Effect:
+    """Part of the force is lost for good: at once, over a stretch, or in two steps."""
+    link, form = stage.link(), stage.one_of("sudden", "ramp", "twice")
+    kind = {"sudden": Kind.BREAK_SUDDEN, "ramp": Kind.BREAK_RAMP, "twice": Kind.BREAK_TWICE}[form]
+    deepest = stage.deepest(link)
+    numbers = (0.5, deepest * stage.among(0.3, 0.8), deepest * stage.among(0.08, 0.2))
+    return term("fracture", form, link, kind, numbers, (0.05, 2.0))
+
+
+def tension(stage: Stage) -> Effect:
+    """The joint also pulls: its own line goes on below zero, or a strap, with slack or up to a limit."""
+    link, form = stage.link(), stage.one_of("law", "strap", "slack_strap", "limited_strap")
+    acting = stage.acting(link)
+    if form == "law":
+        return term("tension", form, link, Kind.PULL_LAW, (1.0,), (0.002, 1.0))
+    slack = 0.3 * acting.elastic_limit() if form == "slack_strap" else 0.0
+    limit = 0.3 * acting.level() if form == "limited_strap" else math.inf
+    stiffness = 0.5 * acting.level() / acting.elastic_limit()
+    return term("tension", form, link, Kind.PULL_STRAP, (stiffness, slack, limit))
+
+
+def relaxation(stage: Stage) -> Effect:
+    """Part of the force fades: a Maxwell branch, two of them, or the fresh part of the spring's own force."""
+    link, form = stage.link(), stage.one_of("maxwell", "two_branches", "fresh_part")
+    acting, times = stage.acting(link), sorted(stage.scene.duration * stage.among(0.03, 0.3) for _ in range(2))
+    stiffness = 0.3 * acting.level() / acting.elastic_limit()
+    if form == "fresh_part":
+        return term("relaxation", form, link, Kind.LAG, (0.5, times[0]))
+    if form == "maxwell":
+        return term("relaxation", form, link, Kind.MAXWELL, (stiffness, times[0]))
+
+    def conceal(scene: Scene, strength: float) -> None:
+        branches = [
+            Term(Kind.MAXWELL, (stiffness * share * strength, time)) for share, time in zip((0.7, 0.3), times, strict=True)
+        ]
+        scene.world.links[link].terms.extend(branches)
+
+    return Effect("relaxation", form, "joint", link, {"stiffness": stiffness, "times": times}, conceal)
+
+
+def joint_friction(stage: Stage) -> Effect:
+    """Dry friction, sharp or smooth about rest, falling with the rate, or in bristles; a mount's acts always."""
+    link, form = stage.link(), stage.one_of("sharp", "smooth", "stribeck", "bristle")
+    force, always = 0.2 * stage.acting(link).level(), float(stage.is_mount(link))
+    fastest = stage.fastest(link)
+    kind, numbers = {
+        "sharp": (Kind.FRICTION, (force, 0.01, always)),
+        "smooth": (Kind.FRICTION, (force, fastest * stage.among(0.02, 0.08), always)),
+        "stribeck": (Kind.FRICTION_STRIBECK, (force, 0.02, always, fastest * stage.among(0.1, 0.3))),
+        "bristle": (Kind.FRICTION_BRISTLE, (force, stage.deepest(link) * stage.among(0.005, 0.03), always)),
+    }[form]
+    return _or_on_body(stage, term("joint_friction", form, link, kind, numbers), "ground_friction")
+
+
+def unknown(stage: Stage) -> Effect:
+    """What no list has: a dent in the plateau, a timed pulse, a hum, a window of rates, a force that work softens."""
+    link, form = stage.link(), stage.one_of("dent", "pulse", "hum", "rate_window", "softening")
+    force, deepest, fastest = stage.acting(link).level(), stage.deepest(link), stage.fastest(link)
+    duration = stage.scene.duration
+    width = duration * stage.among(0.06, 0.12)
+    kind, numbers = {
+        "dent": (Kind.DENT, (0.4 * force, deepest * stage.among(0.4, 0.7), deepest * stage.among(0.1, 0.2))),
+        "pulse": (Kind.PULSE, (0.4 * force, width + duration * stage.among(0.02, 0.2), width)),
+        "hum": (Kind.HUM, (0.3 * force, stage.among(5.0, 12.0) / duration, duration * stage.among(0.2, 0.6))),
+        "rate_window": (Kind.RATE_WINDOW, (-0.4, fastest * stage.among(0.4, 0.7), fastest * stage.among(0.15, 0.25))),
+        "softening": (Kind.SOFTENING, (0.5, force * deepest * stage.among(0.3, 0.8))),
+    }[form]
+    effect = term("unknown", form, link, kind, numbers, (0.02, 2.0))
+    rivals = {"rate_window": "rate_dependence", "softening": "fracture"}
+    if form in rivals:
+        return evolve(effect, rivals=((rivals[form], "joint", link),))
+    return _or_on_body(stage, effect, "unknown") if form in ("pulse", "hum") else effect
+
+
+def _or_on_body(stage: Stage, effect: Effect, physics: str) -> Effect:
+    """A force between the obstacle and a body is a force on the body, unless the obstacle's side of it is measured."""
+    if stage.is_mount(effect.place) or "load_cell" in stage.scene.instruments:
+        return effect
+    return evolve(effect, rivals=((physics, "body", stage.acting(effect.place).back),))
+
+
+JOINT_EFFECTS: dict[str, Maker] = {
+    maker.__name__: maker
+    for maker in (
+        rate_dependence,
+        viscous_damping,
+        plastic_unloading,
+        clearance,
+        peak_load,
+        progressive_folding,
+        bottoming,
+        fracture,
+        tension,
+        relaxation,
+        joint_friction,
+        unknown,
+    )
+}

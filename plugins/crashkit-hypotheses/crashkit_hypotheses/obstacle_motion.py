@@ -1,0 +1,113 @@
+"""The obstacle is not rigid: it slides, is pushed away, or springs back."""
+
+from collections.abc import Mapping, Sequence
+from typing import ClassVar
+
+import xarray as xr
+from attrs import evolve
+
+from crashkit.model import Body, Joint, Model, Parameter
+from crashkit.model.edit import fresh_name
+from crashkit.protocols import Hypothesis, Proposal
+from crashkit_hypotheses.build import grid, largest_force, plane_inertia
+
+LIGHT, HEAVY = 0.05, 100.0
+"""Masses that an obstacle may have, in masses of what runs into it."""
+SLIP_RATE = 0.1
+"""m s-1, at which sliding is established: what is slower is followed too slowly to be stable."""
+
+Parameters = Mapping[str, Parameter]
+
+
+class ObstacleMotion(Hypothesis):
+    """A fixed body has a mass M, and is held by nothing, by dry friction f sign(v), or by a spring k u and a dashpot c v."""
+
+    physics: ClassVar[str] = "obstacle_motion"
+    sentence: ClassVar[str] = "{place} is no rigid obstacle: it yields or moves"
+
+    def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
+        """Every fixed body that a joint presses against: free, and held by the ground where no load cell feels the ground."""
+        mass = sum(body.mass.value for body in model.bodies if body.mass is not None)
+        pushed = {body.name: _push(model, motion, body.name) for body in model.bodies if body.fixed}
+        return [
+            proposal
+            for name, force in pushed.items()
+            if force > 0.0
+            for proposal in (
+                _free(model, name, mass),
+                *(
+                    []
+                    if _weighed(recordings, name)
+                    else [_sliding(model, name, mass, force), _sprung(model, name, mass, force)]
+                ),
+            )
+        ]
+
+
+def _weighed(recordings: Sequence[xr.DataTree], name: str) -> bool:
+    """Whether a load cell reads the force on a body: a cell takes all joints of its body, also those that hold it."""
+    groups = [group.to_dataset(inherit=False) for recording in recordings for group in recording.children.values()]
+    return any("force" in group and name in group["sensor_body"].values for group in groups)
+
+
+def _push(model: Model, motion: Sequence[xr.Dataset], name: str) -> float:
+    """The most that any joint presses on a body, N."""
+    return max((largest_force(motion, joint.name) for joint in model.joints if name in joint.bodies), default=0.0)
+
+
+def _free(model: Model, name: str, mass: float) -> Proposal:
+    return _moving(model, name, "free", mass, None, {}, grid(mass=[3.0 * mass]))
+
+
+def _sliding(model: Model, name: str, mass: float, force: float) -> Proposal:
+    friction = {
+        "friction_force": Parameter(0.5 * force, 1e-3 * force, 10.0 * force),
+        "slip_rate": Parameter(SLIP_RATE, fixed=True),
+    }
+    starts = grid(mass=(mass,), friction_force=(0.15 * force, 0.5 * force))
+    return _moving(model, name, "sliding", mass, "coulomb", friction, starts)
+
+
+def _sprung(model: Model, name: str, mass: float, force: float) -> Proposal:
+    spring = {
+        "stiffness": Parameter(20.0 * force, force, 1e4 * force),
+        "damping": Parameter(0.0, 0.0, 10.0 * force),
+        "slack": Parameter(0.0, fixed=True),
+    }
+    starts = grid(mass=(0.5 * mass,), stiffness=(5.0 * force, 50.0 * force))
+    return _moving(model, name, "sprung", mass, "tie", spring, starts)
+
+
+def _moving(
+    model: Model,
+    name: str,
+    form: str,
+    mass: float,
+    law: str | None,
+    parameters: Parameters,
+    starts: Sequence[Mapping[str, float]],
+) -> Proposal:
+    """The model with the obstacle set free, and joined to the ground by a law; `starts` name its mass `mass`."""
+    obstacle = model.body(name)
+    weight = Parameter(mass, LIGHT * mass, HEAVY * mass)
+    released = evolve(obstacle, fixed=False, mass=weight, inertia=plane_inertia(model, mass))
+    bodies = tuple(released if body.name == name else body for body in model.bodies)
+    paths = {"mass": f"body.{name}.mass"}
+    if law is None:
+        augmented = evolve(model, bodies=bodies)
+    else:
+        ground = Body(fresh_name("ground", (b.name for b in bodies)), _behind(model, obstacle), obstacle.velocity, fixed=True)
+        joint = fresh_name(f"{name}_ground", (j.name for j in model.joints))
+        paths |= {key: f"joint.{joint}.{key}" for key, value in parameters.items() if not value.fixed}
+        held = Joint(joint, (ground.name, name), law, dict(parameters))
+        augmented = evolve(model, bodies=(*bodies, ground), joints=(*model.joints, held))
+    named = tuple({paths[key]: value for key, value in start.items()} for start in starts)
+    return Proposal("obstacle_motion", form, {"body": name}, augmented, tuple(paths.values()), {}, named)
+
+
+def _behind(model: Model, obstacle: Body) -> tuple[float, ...]:
+    """A point so far behind the obstacle, as what runs into it sees it, that being pushed counts as compression."""
+    others = [body for body in model.bodies if body.mass is not None]
+    travel = [sum(body.velocity[axis] for body in others) for axis in range(len(model.axes))]
+    length = sum(v * v for v in travel) ** 0.5 or 1.0
+    return tuple(x + 100.0 * v / length for x, v in zip(obstacle.position, travel, strict=True))

@@ -1,0 +1,54 @@
+"""At which frequencies a sensor's readings ring beside the motion of its body."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import xarray as xr
+from scipy.signal import find_peaks, periodogram
+
+from crashkit.registry import load
+from crashkit_hypotheses.accused import Accused
+
+LOWEST, HIGHEST = 60.0, 5e3
+"""Hz; below, structures move; above, a mount is as good as rigid."""
+UNSEEN = (150.0, 500.0)
+"""Hz, where nothing can be compared."""
+
+
+def ringing_frequencies(one: Accused, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> tuple[float, ...]:
+    """The two peaks that stand out most in the spectra of readings minus motion, Hz, over all recordings."""
+    spectra = [spectrum for spectrum in _spectra(one, motion, recordings) if len(spectrum[0]) > 8]
+    if not spectra:
+        return UNSEEN
+    frequency = spectra[0][0]
+    density = np.mean([np.interp(frequency, *spectrum) for spectrum in spectra], axis=0)
+    excess = np.where((frequency > LOWEST) & (frequency < HIGHEST), density - _level(frequency, density), 0.0)
+    peaks, _ = find_peaks(excess)
+    highest = sorted(peaks, key=lambda peak: -excess[peak])[:2]
+    return tuple(float(frequency[peak]) for peak in highest) or UNSEEN
+
+
+def _level(frequency: np.ndarray, density: np.ndarray) -> np.ndarray:
+    """What a spectrum without a peak would have: the geometric mean half an octave below and above."""
+    smooth = np.convolve(density, np.ones(5) / 5.0, mode="same")
+    below, above = (np.interp(frequency * ratio, frequency, smooth) for ratio in (2.0**-0.5, 2.0**0.5))
+    return np.asarray(np.sqrt(below * above))
+
+
+def _spectra(
+    one: Accused, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Frequencies and density of each recording that the sensor is in."""
+    for run, recording in zip(motion, recordings, strict=False):
+        instruments = recording.children
+        group = instruments[one.instrument].to_dataset(inherit=False) if one.instrument in instruments else xr.Dataset()
+        if "sensor" not in group.coords or one.sensor not in group["sensor"].values:
+            continue
+        quantity = load().observers[str(group.attrs["observer"])].quantity
+        felt = {"acceleration": "acceleration", "force": "contact_force"}.get(quantity, "")
+        if felt in run and group.sizes["time"] > 1:
+            readings = group[quantity].sel(sensor=one.sensor).isel(axis=0).values
+            body = str(group["sensor_body"].sel(sensor=one.sensor).values)
+            times = group["time"].values
+            moved = np.interp(times, run["time"].values, run[felt].sel(body=body).isel(axis=0).values)
+            yield periodogram(np.nan_to_num(readings - moved), 1.0 / np.median(np.diff(times)), window="hann")

@@ -1,0 +1,83 @@
+"""A sensor distorts what it feels: it clips, it rings on its mounting, it is tilted."""
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import xarray as xr
+
+from crashkit.model import Model, Parameter
+from crashkit.protocols import Hypothesis, Proposal
+from crashkit_hypotheses.accused import Accused, accused, fault
+from crashkit_hypotheses.build import grid
+from crashkit_hypotheses.ringing import HIGHEST, LOWEST, ringing_frequencies
+
+UNCLIPPED = 100.0
+"""Limit, in largest readings, that no motion reaches."""
+
+
+class Saturation(Hypothesis):
+    """recorded = min(limit, max(-limit, true))."""
+
+    physics: ClassVar[str] = "saturation"
+    sentence: ClassVar[str] = "{place} clips its readings"
+    sensor: ClassVar[bool] = True
+
+    def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
+        """Every sensor that can clip, at about its largest reading: what clips reads no more than its limit and noise."""
+        return [self._clipped(model, one) for one in accused(model, recordings, ["saturation"]) if one.largest > 0.0]
+
+    def _clipped(self, model: Model, one: Accused) -> Proposal:
+        never = UNCLIPPED * one.largest
+        limit = {"saturation": Parameter(one.largest, 0.3 * one.largest, never)}
+        starts = grid(saturation=(0.93 * one.largest,))
+        return fault(self.physics, "limit", model, one, limit, "saturation", starts, never)
+
+
+class MountingResonance(Hypothesis):
+    """recorded = true + share (q + 2 zeta q' / w - true), q'' + 2 zeta w q' + w^2 q = w^2 true, w = 2 pi frequency."""
+
+    physics: ClassVar[str] = "mounting_resonance"
+    sentence: ClassVar[str] = "{place} rings on its mounting"
+    sensor: ClassVar[bool] = True
+
+    def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
+        """Every sensor that can ring, at the frequencies at which its readings differ most from the motion."""
+        errors = ["resonance_share", "resonance_frequency", "resonance_damping"]
+        sensors = accused(model, recordings, errors)
+        return [self._ringing(model, one, ringing_frequencies(one, motion, recordings)) for one in sensors]
+
+    def _ringing(self, model: Model, one: Accused, frequencies: Sequence[float]) -> Proposal:
+        mount = {
+            "resonance_share": Parameter(0.0, 0.0, 1.0),
+            "resonance_frequency": Parameter(frequencies[0], 0.5 * LOWEST, 2.0 * HIGHEST),
+            "resonance_damping": Parameter(0.05, 5e-3, 0.7),
+        }
+        starts = grid(resonance_frequency=frequencies)
+        return fault(self.physics, "oscillator", model, one, mount, "resonance_share", starts)
+
+
+class Misalignment(Hypothesis):
+    """recorded = R(tilt) e . true, or (e + transverse) . true, for a channel along e.
+
+    On a line the first is a gain below 1, as `GainError` says, and the second is nothing.
+    """
+
+    physics: ClassVar[str] = "misalignment"
+    sentence: ClassVar[str] = "the axes of {place} are not where they are said to be"
+    sensor: ClassVar[bool] = True
+
+    def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
+        """Every sensor with several axes: tilted, and with transverse sensitivity."""
+        tilts = [f"tilt_{axis}" for axis in _turning_axes(model)]
+        shares = [f"transverse_{axis}" for axis in model.axes]
+        return [
+            fault(self.physics, form, model, one, dict.fromkeys(errors, Parameter(0.0, -0.5, 0.5)), errors[0])
+            for form, errors in (("tilt", tilts), ("transverse", shares))
+            for one in accused(model, recordings, errors)
+            if len(model.axes) > 1 and len(one.axes) > 1
+        ]
+
+
+def _turning_axes(model: Model) -> tuple[str, ...]:
+    """The axes about which the model's can turn into each other."""
+    return model.axes if len(model.axes) == 3 else tuple(axis for axis in "xyz" if axis not in model.axes)

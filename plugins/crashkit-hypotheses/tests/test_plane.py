@@ -1,0 +1,213 @@
+"""Models whose bodies turn: every proposal holds together there, and a sensor that is tilted is found."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from attrs import evolve
+
+from crashkit.api import workshop as installed
+from crashkit.diagnose.search import begin
+from crashkit.mechanics import Simulator, compile_engine, functions_of
+from crashkit.model import Body, Joint, Model, Parameter
+from crashkit.model.checks import check_model
+from crashkit.registry import load
+from crashkit.testing import HypothesisContract, hypothesis_contract, toys
+from crashkit_hypotheses.carried_load import CarriedLoad
+from crashkit_hypotheses.obstacle_motion import ObstacleMotion
+from crashkit_hypotheses.rotation import Rotation
+from crashkit_hypotheses.sensor_faults import Misalignment
+
+TIMES = np.linspace(0.0, 0.15, 301)
+
+
+def rail(name, side, crush_force):
+    """Of a car that runs into the face of a wall."""
+    values = {"elastic_stiffness": 2e6, "crush_force": crush_force, "densification_deformation": 0.6}
+    parameters = {key: Parameter(value, 0.2 * value, 5.0 * value) for key, value in values.items()}
+    parameters |= {"densification_stiffness": Parameter(1e6, fixed=True), "unloading_stiffness": Parameter(4e6, fixed=True)}
+    absent = ("rate_coefficient", "clearance", "tension")
+    parameters |= dict.fromkeys(absent, Parameter(0.0, fixed=True))
+    return Joint(name, ("wall", "car"), "crush_plateau", parameters, points=((0.0, 0.0), (1.5, side)), normal=(-1.0, 0.0))
+
+
+@pytest.fixture(scope="module")
+def car():
+    """A car whose right rail is the weaker, so that it yaws."""
+    inertia = (Parameter(2000.0, fixed=True),)
+    wall = Body("wall", (0.0, 0.0), (0.0, 0.0), fixed=True)
+    car = Body("car", (-1.6, 0.0), (14.0, 0.0), Parameter(1200.0, fixed=True), inertia=inertia)
+    return Model("car", ("x", "y"), (wall, car), (rail("left", 0.5, 1.5e5), rail("right", -0.5, 0.7e5)))
+
+
+@pytest.fixture(scope="module")
+def engine(car):
+    loaded = CarriedLoad().propose(car, [], [])
+    held = ObstacleMotion().propose(car, [pushed(car)], [])
+    models = [car, *(proposal.model for proposal in (*loaded, *held))]
+    return compile_engine({f for one in models for f in functions_of(one, load().spring_laws)}, axes=2)
+
+
+@pytest.fixture(scope="module")
+def line_engine(car):
+    return compile_engine(functions_of(on_a_line(car), load().spring_laws), axes=1)
+
+
+def pushed(model):
+    """A motion in which both rails bear a force."""
+    names = [joint.name for joint in model.joints]
+    return xr.Dataset({"force": (("time", "joint"), np.full((2, len(names)), 1e5))}, coords={"joint": names})
+
+
+@pytest.fixture(scope="module")
+def crash(car, engine):
+    return Simulator(car, load().spring_laws, engine).run(TIMES)
+
+
+@pytest.fixture(scope="module")
+def recorded(crash):
+    """The accelerometer turns with the car."""
+    recording = toys.recording(crash)
+    sensors = recording["accelerometer"].to_dataset(inherit=False).assign_attrs(frame="body")
+    return recording.assign({"accelerometer": xr.DataTree(sensors)})
+
+
+class TestMisalignment(HypothesisContract):
+    @pytest.fixture
+    def hypothesis(self):
+        return Misalignment()
+
+    @pytest.fixture
+    def model(self, car):
+        return car
+
+    @pytest.fixture
+    def motion(self, crash):
+        return [crash]
+
+    @pytest.fixture
+    def recordings(self, recorded):
+        return {"run": recorded}
+
+    @pytest.fixture(autouse=True)
+    def _one_engine(self, engine, monkeypatch):
+        monkeypatch.setattr(hypothesis_contract, "_engine", lambda models: engine)
+
+
+def test_the_car_yaws(crash):
+    assert float(np.abs(crash["angular_velocity"]).max()) > 0.5
+
+
+@pytest.mark.parametrize("physics", sorted(load().hypotheses))
+def test_every_proposal_holds_together_in_the_plane(car, crash, recorded, physics):
+    registry = load()
+    for proposal in registry.hypotheses[physics]().propose(car, [crash], [recorded]):
+        check_model(proposal.model, registry.spring_laws, physics, registry.observers)
+
+
+def test_a_load_presses_forward_on_its_carrier(car, engine, crash):
+    tied = CarriedLoad().propose(car, [crash], [])[0]
+    run = Simulator(tied.model.with_values(tied.starts[-1]), load().spring_laws, engine).run(TIMES)
+    assert float(run["deformation"].sel(joint=tied.model.joints[-1].name).max()) > 1e-3
+    assert float(run["position"].sel(body="car", axis="x").max()) > float(crash["position"].sel(body="car", axis="x").max())
+
+
+def test_an_obstacle_that_slides_is_pushed_ahead(car, engine, crash):
+    sliding = next(p for p in ObstacleMotion().propose(car, [crash], []) if p.form == "sliding")
+    run = Simulator(sliding.model.with_values(sliding.starts[0]), load().spring_laws, engine).run(TIMES)
+    assert float(run["position"].sel(body="wall", axis="x")[-1]) > 0.02
+    assert float(np.abs(run["position"].sel(body="wall", axis="y")).max()) < 0.01
+
+
+def test_on_a_line_a_tilt_is_a_gain():
+    toy = toys.two_degrees()
+    run = toys.recording(Simulator(toy, load().spring_laws).run(TIMES))
+    assert Misalignment().propose(toy, [], [run]) == []
+
+
+def test_a_tilted_sensor_is_found(car, crash, engine, recorded):
+    registry, workshop = load(), evolve(installed(), engine=engine)
+    group = recorded["accelerometer"].to_dataset(inherit=False)
+    felt = registry.observers["accelerometer"]().predict(crash, group, {"car_sensor": {"tilt_z": 0.1}})["acceleration"]
+    noise = np.random.default_rng(1).normal(0.0, 1.0, felt.shape)
+    recording = recorded.assign({"accelerometer": xr.DataTree(group.assign(acceleration=felt + noise))})
+    given = workshop.first_misfit(car, {"run": recording})
+    fits = {
+        proposal.form: begin(workshop.identifier, workshop.misfit(given, proposal.model)).advance(6)
+        for proposal in Misalignment().propose(car, [crash], [recording])
+    }
+    assert fits["tilt"].deviance < fits["transverse"].deviance + 10.0
+    tilt = fits["tilt"].result().parameters.sel(parameter="instrument.accelerometer.car_sensor.tilt_z")
+    assert abs(float(tilt["value"]) - 0.1) < 5.0 * float(tilt["std"]) < 0.05
+
+
+def on_a_line(model):
+    """The same in x alone, with all rails in one place."""
+    bodies = tuple(evolve(b, position=b.position[:1], velocity=b.velocity[:1], inertia=()) for b in model.bodies)
+    joints = tuple(evolve(j, points=tuple(p[:1] for p in j.points), normal=None) for j in model.joints)
+    return evolve(model, axes=("x",), bodies=bodies, joints=joints)
+
+
+def along(recording):
+    """What a model on a line can be compared with: the readings in x, from its own first state on."""
+    groups = {name: recording[name].to_dataset(inherit=False).sel(axis=["x"]) for name in ("film", "accelerometer")}
+    groups["accelerometer"] = groups["accelerometer"].assign_attrs(frame="laboratory")
+    return xr.DataTree.from_dict(groups)
+
+
+class TestRotation(HypothesisContract):
+    """The proposals see both axes; the readings of the model on a line, and those of its proposals, are compared in one."""
+
+    @pytest.fixture
+    def hypothesis(self):
+        return Rotation()
+
+    @pytest.fixture
+    def model(self, car):
+        return on_a_line(car)
+
+    @pytest.fixture
+    def motion(self, model, line_engine):
+        return [Simulator(model, load().spring_laws, line_engine).run(TIMES)]
+
+    @pytest.fixture
+    def recordings(self, recorded):
+        return {"run": along(recorded)}
+
+    @pytest.fixture
+    def proposals(self, hypothesis, model, motion, recorded):
+        return hypothesis.propose(model, motion, [recorded])
+
+    @pytest.fixture(autouse=True)
+    def _engines(self, engine, line_engine, monkeypatch):
+        engines, readings = {1: line_engine, 2: engine}, hypothesis_contract._readings
+        monkeypatch.setattr(hypothesis_contract, "_engine", lambda models: None)
+        monkeypatch.setattr(
+            hypothesis_contract,
+            "_readings",
+            lambda model, recordings, _: readings(model, recordings, engines[len(model.axes)]),
+        )
+
+
+def test_what_is_recorded_on_a_line_tells_of_no_rotation(car, recorded):
+    line = on_a_line(car)
+    assert Rotation().propose(line, [], [along(recorded)]) == []
+    assert Rotation().propose(car, [], [recorded]) == []
+    assert {p.location["body"] for p in Rotation().propose(line, [], [recorded])} == {"car"}
+
+
+def test_a_body_that_turns_is_found(car, engine, recorded):
+    """One rail half a metre aside: the wall stops the rail, and the car turns about it."""
+    registry, random = load(), np.random.default_rng(2)
+    workshop = evolve(installed(), engine=engine)
+    offset = evolve(car, joints=car.joints[:1])
+    record = along(toys.recording(Simulator(offset, registry.spring_laws, engine).run(TIMES)))
+    for name, quantity, std in (("film", "position", 1e-3), ("accelerometer", "acceleration", 1.0)):
+        group = record[name].to_dataset(inherit=False)
+        record[name] = xr.DataTree(group.assign({quantity: group[quantity] + random.normal(0.0, std, group[quantity].shape)}))
+    proposal = Rotation().propose(on_a_line(offset), [], [recorded])[0]
+    given = workshop.first_misfit(proposal.model, {"run": record})
+    searches = [begin(workshop.identifier, given.with_values(start)).advance(20) for start in proposal.starts]
+    search = min(searches, key=lambda search: search.state.cost)
+    inertia = search.result().parameters.sel(parameter="body.car.inertia")
+    assert search.normalised == pytest.approx(1.0, abs=0.1)
+    assert abs(float(inertia["value"]) - 2000.0) < 5.0 * float(inertia["std"]) < 500.0

@@ -1,0 +1,203 @@
+"""Physics that was put into a made recording is found again: where it was, and as large as it was."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from attrs import evolve
+
+from crashkit.api import workshop as installed
+from crashkit.diagnose.score import score
+from crashkit.diagnose.search import begin
+from crashkit.mechanics import Simulator
+from crashkit.model import Body, Joint, Parameter
+from crashkit.model.edit import with_factor, with_instrument_error, with_joint
+from crashkit.testing import toys
+
+SPEEDS = {"slow": 0.9, "fast": 1.3}
+TIMES = np.arange(801) * 2.5e-4
+STD = {"film": ("position", 1e-3), "accelerometer": ("acceleration", 1.0)}
+KEPT_ENERGY = 1e6
+"""N m-1, slope of unloading."""
+
+
+def fixed(**values):
+    return {name: Parameter(value, fixed=True) for name, value in values.items()}
+
+
+@pytest.fixture(scope="module")
+def model():
+    """The two-degree toy, that keeps most of its energy and knows its masses."""
+    toy = toys.two_degrees()
+    free = toy.parameters()
+    slope = Parameter(KEPT_ENERGY, fixed=True)
+    known = {f"joint.{joint}.unloading_stiffness": slope for joint in ("first", "second")}
+    return toy.with_parameters({"body.rear.mass": evolve(free["body.rear.mass"], fixed=True)} | known)
+
+
+@pytest.fixture(scope="module")
+def workshop(engine):
+    return evolve(installed(), engine=engine)
+
+
+@pytest.fixture(scope="module")
+def recorded(model, workshop):
+    """What film and accelerometers on both masses record of a true model at two speeds, with noise."""
+
+    def record(true):
+        return {run: one(true, speed, np.random.default_rng(seed)) for seed, (run, speed) in enumerate(SPEEDS.items())}
+
+    def one(true, speed, random):
+        equipped = workshop.equipped([true])
+        initial = toys.initial_state(model, speed)
+        run = Simulator(true, workshop.laws, equipped.engine).run(TIMES, initial=initial)
+        recording = toys.recording(run.sel(body=["front", "rear"]))
+        errors = {entry.sensor: {k: p.value for k, p in entry.parameters.items()} for entry in true.instruments}
+        return recording.assign({name: xr.DataTree(read(name, recording[name], run, errors, random)) for name in STD})
+
+    def read(name, group, run, errors, random):
+        dataset = group.to_dataset(inherit=False)
+        quantity, std = STD[name]
+        own = {sensor: e for sensor, e in errors.items() if sensor in dataset[f"{'sensor' if name != 'film' else 'marker'}"]}
+        clean = workshop.observers[name]().predict(run, dataset, own)[quantity]
+        return dataset.assign({quantity: clean + random.normal(0.0, std, clean.shape)})
+
+    return record
+
+
+@pytest.fixture(scope="module")
+def found(model, workshop, recorded):
+    """The best fit among all proposals of a physics, for recordings of a true model: the proposal, values and deviations."""
+
+    def find(physics, true):
+        believed = model.with_values({path: 1.03 * p.value for path, p in model.free_parameters().items()})
+        given = workshop.first_misfit(believed, recorded(true))
+        base = begin(workshop.identifier, given).advance(30).fitted()
+        motion = [base.predictor.motion(run, base.values(base.start())) for run in base.recordings]
+        proposals = workshop.hypotheses[physics]().propose(base.model, motion, list(base.recordings.values()))
+        fits = [fit(given, proposal) for proposal in proposals]
+        proposal, search = min(fits, key=lambda fit: fit[1].state.cost)
+        search = search.advance(40)
+        table = search.result().parameters.sel(parameter=list(proposal.parameters))
+        values = {path.rsplit(".", 1)[-1]: float(v) for path, v in zip(proposal.parameters, table["value"], strict=True)}
+        stds = {path.rsplit(".", 1)[-1]: float(v) for path, v in zip(proposal.parameters, table["std"], strict=True)}
+        return proposal, values, stds, search.normalised
+
+    def fit(given, proposal):
+        equipped = workshop.equipped([proposal.model])
+        misfit = equipped.misfit(given, proposal.model)
+        scores = [score(proposal, dict(start), misfit, np.inf) for start in proposal.starts]
+        best = max((s for s in scores if s is not None), key=lambda s: s.drop)
+        return proposal, begin(workshop.identifier, misfit.with_values(best.values)).advance(12)
+
+    return find
+
+
+def broken(model):
+    return with_factor(model, "second", "fracture", fixed(fracture_deformation=0.12, loss=0.6))
+
+
+def softened(model):
+    parameters = fixed(softening_deformation=0.2, softening_length=0.25, loss=0.5)
+    return with_factor(model, "first", "softening", parameters)
+
+
+def relaxing(model):
+    element = fixed(relaxing_stiffness=1e5, relaxation_time=0.02, clearance=0.0, tension=0.0)
+    return with_joint(model, Joint("memory", ("front", "rear"), "maxwell", element))
+
+
+def fading(model):
+    return with_factor(model, "first", "fading", fixed(fading_share=0.4, relaxation_time=0.03))
+
+
+def rubbing(model):
+    return with_joint(model, Joint("rub", ("wall", "front"), "coulomb", fixed(friction_force=4e3, slip_rate=0.05)))
+
+
+def touching(model):
+    return with_joint(model, Joint("touch", ("wall", "rear"), "quadratic_stop", fixed(coefficient=6e4, stop_deformation=0.9)))
+
+
+def released(model, mass):
+    wall = evolve(model.body("wall"), fixed=False, mass=Parameter(mass, fixed=True))
+    return evolve(model, bodies=(wall, *model.bodies[1:]))
+
+
+def grounded(model, law, parameters):
+    ground = Body("ground", (100.0,), (0.0,), fixed=True)
+    return with_joint(evolve(model, bodies=(*model.bodies, ground)), Joint("held", ("ground", "wall"), law, parameters))
+
+
+def pushed_away(model):
+    return released(model, 4e3)
+
+
+def sliding(model):
+    return grounded(released(model, 2500.0), "coulomb", fixed(friction_force=2.5e4, slip_rate=0.1))
+
+
+def sprung(model):
+    return grounded(released(model, 500.0), "tie", fixed(stiffness=4e5, damping=2e3, slack=0.0))
+
+
+def clipping(model):
+    return with_error(model, "rear_sensor", saturation=45.0)
+
+
+def ringing(model):
+    return with_error(model, "front_sensor", resonance_share=1.0, resonance_frequency=120.0, resonance_damping=0.03)
+
+
+def drifting(model):
+    return with_error(model, "rear_sensor", bias=2.0, bias_drift=30.0)
+
+
+def with_error(model, sensor, **errors):
+    for name, value in errors.items():
+        model = with_instrument_error(model, "accelerometer", sensor, name, Parameter(value, fixed=True))
+    return model
+
+
+CASES = {
+    softened: (
+        ("fracture", "compression", {"joint": "first"}),
+        {"loss": 0.5, "softening_deformation": 0.2, "softening_length": 0.25},
+    ),
+    relaxing: (("relaxation", "maxwell", {"joint": "second"}), {"relaxing_stiffness": 1e5, "relaxation_time": 0.02}),
+    fading: (("relaxation", "fading", {"joint": "first"}), {"fading_share": 0.4, "relaxation_time": 0.03}),
+    rubbing: (("joint_friction", "sharp", {"joint": "first"}), {"friction_force": 4e3}),
+    touching: (
+        ("missing_contact", "parabola", {"bodies": ["wall", "rear"]}),
+        {"coefficient": 6e4, "stop_deformation": 0.9},
+    ),
+    sliding: (("obstacle_motion", "sliding", {"body": "wall"}), {"mass": 2500.0, "friction_force": 2.5e4}),
+    pushed_away: (("obstacle_motion", "free", {"body": "wall"}), {"mass": 4e3}),
+    sprung: (("obstacle_motion", "sprung", {"body": "wall"}), {"mass": 500.0, "stiffness": 4e5, "damping": 2e3}),
+    clipping: (("saturation", "limit", {"sensor": "rear_sensor"}), {"saturation": 45.0}),
+    ringing: (
+        ("mounting_resonance", "oscillator", {"sensor": "front_sensor"}),
+        {"resonance_frequency": 120.0, "resonance_damping": 0.03},
+    ),
+    drifting: (("bias", "drift", {"sensor": "rear_sensor"}), {"bias": 2.0, "bias_drift": 30.0}),
+}
+
+
+@pytest.mark.parametrize("conceal", CASES, ids=lambda conceal: conceal.__name__)
+def test_what_was_concealed_is_found_where_it_was(found, model, conceal):
+    (physics, form, place), true = CASES[conceal]
+    proposal, values, stds, normalised = found(physics, conceal(model))
+    assert (proposal.form, {key: proposal.location[key] for key in place}) == (form, place)
+    assert normalised == pytest.approx(1.0, abs=0.03)
+    for name, value in true.items():
+        assert abs(values[name] - value) < 4.0 * stds[name] + 0.01 * value, (name, values[name], stds[name])
+
+
+def test_a_sudden_loss_is_found_as_a_short_one(found, model):
+    """Shorter than half a sample it cannot be searched for, and so a little of the jump is left."""
+    proposal, values, _, normalised = found("fracture", broken(model))
+    assert proposal.location == {"joint": "second"}
+    assert values["loss"] == pytest.approx(0.6, abs=0.01)
+    middle = values["softening_deformation"] + 0.5 * values["softening_length"]
+    assert middle == pytest.approx(0.12, abs=1e-3)
+    assert values["softening_length"] < 2e-3
+    assert normalised < 1.25

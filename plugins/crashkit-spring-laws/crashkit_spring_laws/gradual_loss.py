@@ -1,0 +1,51 @@
+"""Force that is lost little by little: with deformation, for good, or with the time under load."""
+
+from crashkit.protocols import ParameterSpec, SpringLaw
+
+LOSS = ParameterSpec("loss", "1", "share of the force that is lost in the end", lower=0.0, upper=1.0, null=0.0)
+
+
+class Softening(SpringLaw):
+    """A member that tears open as it is crushed: 1 - loss min(1, max(0, d_max - softening_deformation) / softening_length)."""
+
+    name = "softening"
+    unit = "1"
+    parameters = (
+        ParameterSpec("softening_deformation", "m", "largest deformation that is borne whole", lower=0.0),
+        ParameterSpec("softening_length", "m", "further deformation over which the share is lost", lower=1e-4),
+        LOSS,
+    )
+
+    @staticmethod
+    def force(
+        d: float, ddot: float, d_max: float, softening_deformation: float, softening_length: float, loss: float
+    ) -> float:
+        """The factor."""
+        return 1.0 - loss * min(1.0, max(0.0, d_max - softening_deformation) / softening_length)
+
+
+class Fading(SpringLaw):
+    """A force of which a share fades under load: 1 - fading_share m, with m' = (1 - m) / tau while d > 0, and -m / tau else.
+
+    The memory m goes from 0 to 1 as the joint stays compressed, and back as it rests. Where the law's force sets in at once
+    and stays, this is quasi-linear viscoelasticity with one relaxation time (Fung 1993, doi:10.1007/978-1-4757-2257-4).
+    """
+
+    name = "fading"
+    unit = "1"
+    memory = "faded"
+    jumps = True
+    parameters = (
+        ParameterSpec("fading_share", "1", "share of the force that fades", lower=0.0, upper=1.0, null=0.0),
+        ParameterSpec("relaxation_time", "s", "in which 63 % of the share is lost (tau)", lower=2e-4, upper=1e3),
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, faded: float, fading_share: float, relaxation_time: float) -> float:
+        """The factor."""
+        return 1.0 - fading_share * faded
+
+    @staticmethod
+    def memory_rate(d: float, ddot: float, d_max: float, faded: float, fading_share: float, relaxation_time: float) -> float:
+        """How fast it fades, 1/s."""
+        return ((1.0 if d > 0.0 else 0.0) - faded) / relaxation_time
