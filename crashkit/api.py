@@ -9,18 +9,21 @@ import numpy as np
 import xarray as xr
 
 from crashkit.data.motion import write_motion
+from crashkit.data.netcdf import write_tree
 from crashkit.data.recording import check_recording, read_recording, write_recording
 from crashkit.diagnose import Diagnosis, Workshop, diagnose
 from crashkit.diagnose.result import run_name
 from crashkit.errors import CrashkitError
 from crashkit.mechanics import simulate
 from crashkit.misfit import Misfit
+from crashkit.misfit.cross_check import cross_check
 from crashkit.model import Model
 from crashkit.model.checks import check_recording_against_model
 from crashkit.model.toml import read_model, write_model
 from crashkit.protocols import Status
 from crashkit.registry import Registry, load
 from crashkit.report import write_json, write_report
+from crashkit.report.cross_check import write_cross_check
 
 Show = Callable[[str], None]
 SIMULATION_INTERVAL = 1e-4
@@ -100,6 +103,19 @@ def simulate_file(model: Path, duration: float, output: Path) -> str:
     times = np.linspace(0.0, duration, 1 + max(1, round(duration / SIMULATION_INTERVAL)))
     write_motion(simulate(load_model(model), times, load().spring_laws), output)
     return f"wrote {output}"
+
+
+def cross_check_file(recording: Path, film: str, accelerometer: str, known_velocity: bool, output: Path) -> str:
+    """Film against accelerometers of a recording; writes cross_check.nc and index.html, returns the verdicts."""
+    tree = next(iter(load_recordings([recording]).values()))
+    try:
+        check = cross_check(tree, load().observers, film, accelerometer, known_velocity)
+    except CrashkitError as error:
+        raise CrashkitError(f"{recording}: {error}") from error
+    _make_folder(output)
+    write_tree(xr.DataTree(check), output / "cross_check.nc")
+    write_cross_check(check, run_name(recording), output)
+    return "\n".join(check["sentence"].values.tolist())
 
 
 def list_channels(name: str, source: Path) -> str:

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from typing import NoReturn
 
-from crashkit.cli import check, demo, diagnose, identify, import_, plugins, simulate
+from crashkit.cli import check, cross_check, demo, diagnose, identify, import_, plugins, simulate
 from crashkit.errors import CrashkitError
 
 USER_ERROR = 2
@@ -20,7 +20,7 @@ INTERRUPTED = 130
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 """What the libraries behind numpy read once, when they are loaded."""
 
-COMMANDS = (diagnose, simulate, identify, import_, check, demo, plugins)
+COMMANDS = (diagnose, simulate, identify, cross_check, import_, check, demo, plugins)
 
 
 class Parser(ArgumentParser):

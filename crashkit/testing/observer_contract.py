@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 from crashkit.protocols import Observer, ParameterSpec
 
 STEP = 1e-4  # of a number whose size is not known
+EXACT = 1e-9  # m, rad and so on, an error that is none
 SPACE = ("time", "body", "axis")
 
 
@@ -213,7 +214,7 @@ def _shared(reconstructed: xr.Dataset, motion: xr.Dataset) -> list[str]:
 
 
 def _error(name: str, reconstructed: xr.Dataset, motion: xr.Dataset) -> np.ndarray:
-    """Reconstructed less true, at the reconstruction's own times, (time, body, axis); of an orientation, the rotation vector."""
+    """Reconstructed less true, at the reconstruction's times, (time, body, axis); of an orientation, the rotation vector."""
     found = reconstructed[name].transpose("time", "body", ...)
     true = motion[name].sel(body=reconstructed["body"]).interp(time=reconstructed["time"]).transpose(*found.dims)
     if name != "orientation":
@@ -223,12 +224,17 @@ def _error(name: str, reconstructed: xr.Dataset, motion: xr.Dataset) -> np.ndarr
 
 
 def _relative_square(name: str, reconstructed: xr.Dataset, motion: xr.Dataset) -> float:
-    """The mean square of the error over its stated standard deviation; one number for all axes means their root of squares."""
+    """The mean square of the error over its stated standard deviation; one number for all axes means their root of squares.
+
+    What is stated to be exact, as a state of rest at the start, must be so and is left out of the mean.
+    """
     error = _error(name, reconstructed, motion)
     std = reconstructed[f"{name}_std"].transpose("time", "body", ...).values
     if std.ndim < error.ndim:
         error = np.linalg.norm(error, axis=-1)
-    return float(np.mean((error / std) ** 2))
+    uncertain = np.broadcast_to(std > 0.0, error.shape)
+    assert np.abs(error[~uncertain]).max(initial=0.0) <= EXACT, f"{name} is stated to be exact"
+    return float(np.mean((error[uncertain] / np.broadcast_to(std, error.shape)[uncertain]) ** 2))
 
 
 def _directions(motion: xr.Dataset) -> dict[str, xr.Variable]:

@@ -73,7 +73,7 @@ def test_diagnose_can_be_repeated_without_runs_held_out(api):
 
 CALLS = {
     "simulate m.toml --duration 0.1 --output s.nc": ("simulate_file", MODEL, 0.1, Path("s.nc")),
-    "identify m.toml 1.nc 2.nc --output i.toml": ("identify_files", MODEL, [RUN_1, RUN_2], "sensitivity", Path("i.toml")),
+    "identify m.toml 1.nc 2.nc --output i.toml": ("identify_files", MODEL, [RUN_1, RUN_2], "multi_start", Path("i.toml")),
     "identify m.toml 1.nc --method adjoint --output i.toml": ("identify_files", MODEL, [RUN_1], "adjoint", Path("i.toml")),
     "import nhtsa dir --list": ("list_channels", "nhtsa", Path("dir")),
     "import nhtsa dir --output r.nc --channel 1+2=wall:cell --channel 3=car --option window=0:0.1": (
@@ -85,6 +85,15 @@ CALLS = {
         {"window": "0:0.1"},
     ),
     "check m.toml 1.nc": ("check_files", [MODEL, RUN_1]),
+    "cross-check 1.nc --output out": ("cross_check_file", RUN_1, "film", "accelerometer", False, OUT),
+    "cross-check 1.nc --film top --accelerometer sled --known-velocity --output out": (
+        "cross_check_file",
+        RUN_1,
+        "top",
+        "sled",
+        True,
+        OUT,
+    ),
     "demo": ("run_demo", None, Path("demo"), True),
     "demo --seed 7 --output out --no-open": ("run_demo", 7, OUT, False),
 }

@@ -70,8 +70,8 @@ class Accelerometer(PlainObserver):
         """What the sensors tell of the motion without knowing how it began.
 
         Returns:
-            On a line `acceleration` (time, body, axis), the mean of each body's sensors, and `acceleration_std` (body) where
-            it is stated; else what `rigid_body_motion` returns, for bodies whose axes are at first those of the laboratory.
+            On a line `acceleration` (time, body, axis), the mean of each body's sensors, and `acceleration_std` where theirs
+            is stated; else what `rigid_body_motion` returns, for bodies whose axes are at first those of the laboratory.
 
         Raises CrashkitError where no body has enough sensors, saying what is missing.
         """

@@ -50,7 +50,7 @@ def standard_deviations(angular: AngularMotion, path: Path, steps: np.ndarray, c
 
 
 def _covariance(angular: AngularMotion, path: Path, steps: np.ndarray, correlation: float) -> np.ndarray:
-    """Of the state, (time, 12, 12): noise enters omega and the velocity, and the redundant readings see omega."""
+    """Of the state, (time, 12, 12): noise enters omega and the velocity in mid-step, and the redundant readings see omega."""
     count = len(path.rotation)
     rate = np.zeros((count, 12, 12))
     rate[:, OMEGA, OMEGA] = angular.rate()
@@ -62,6 +62,8 @@ def _covariance(angular: AngularMotion, path: Path, steps: np.ndarray, correlati
     noise[:, OMEGA, OMEGA] = angular.noise()
     turned = path.rotation[1:] @ angular.array.push_covariance @ np.swapaxes(path.rotation[1:], 1, 2)
     noise[:, VELOCITY, VELOCITY] = correlation * steps[:, None, None] ** 2 * turned
+    entered = np.eye(12) + 0.5 * move
+    noise = entered @ noise @ np.swapaxes(entered, 1, 2)
     seen, residual = angular.observed()
     wide = np.zeros((count, seen.shape[1], 12))
     wide[:, :, OMEGA] = seen

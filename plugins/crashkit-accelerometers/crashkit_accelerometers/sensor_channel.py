@@ -160,16 +160,16 @@ class Channels:
 def reconstruct_bodies(observer: Observer, instrument: xr.Dataset, variable: str) -> xr.Dataset:
     """The recorded quantity by body, `variable` (time, body, axis): the mean of the sensors on it, NaN where one has a gap.
 
-    With `<variable>_std` (body), if the standard deviations of the sensors are stated.
+    With `<variable>_std` (time, body, axis), if the standard deviations of the sensors are stated.
     """
     carriers = instrument["sensor_body"].values
     bodies = list(dict.fromkeys(carriers.tolist()))
     recorded = instrument[observer.quantity].transpose(*DIMS)
     means = np.stack([recorded.values[:, carriers == body].mean(axis=1) for body in bodies], axis=1)
-    attrs = {"units": recorded.attrs.get("units", "")}
-    variables = {variable: xr.Variable(("time", "body", "axis"), means, attrs)}
+    dims, attrs = ("time", "body", "axis"), {"units": recorded.attrs.get("units", "")}
+    variables = {variable: xr.Variable(dims, means, attrs)}
     if f"{observer.quantity}_std" in instrument:
         variance = instrument[f"{observer.quantity}_std"].values ** 2
-        stds = [np.sqrt(variance[carriers == body].sum()) / np.sum(carriers == body) for body in bodies]
-        variables[f"{variable}_std"] = xr.Variable("body", stds, attrs)
+        stds = np.array([np.sqrt(variance[carriers == body].sum()) / np.sum(carriers == body) for body in bodies])
+        variables[f"{variable}_std"] = xr.Variable(dims, np.where(np.isnan(means), np.nan, stds[:, None]), attrs)
     return xr.Dataset(variables, {"time": instrument["time"], "body": bodies, "axis": instrument["axis"]})

@@ -265,22 +265,18 @@ def test_a_body_without_its_initial_state_is_named(sensors, three) -> None:
 
 
 class TestThreeTriaxialContract(ObserverContract):
-
-    # What an array reconstructs at t = 0 is exact, which the contract's ratio of errors does not allow for.
-    test_stated_standard_deviations_are_those_of_the_errors = None
     @pytest.fixture
     def observer(self) -> Accelerometer:
         return Accelerometer()
 
     @pytest.fixture
     def motion(self, turning) -> xr.Dataset:
-        return turning(np.arange(321) * 5e-4)
+        """No channel turns so near a sample that hysteresis would change its branch within a difference."""
+        return turning(np.arange(321) * 5e-4, yaw=0.45)
 
     @pytest.fixture
     def instrument(self, sensors, three) -> xr.Dataset:
         return sensors(three, np.arange(301) * 5e-4)
-
-    test_sensitivities_agree_with_differences = None  # the chain rule has a test of its own, with rotations
 
     def test_a_missing_sample_stays_missing(self, observer: Accelerometer, instrument: xr.Dataset, motion: xr.Dataset) -> None:
         recording = perfect(motion, instrument)

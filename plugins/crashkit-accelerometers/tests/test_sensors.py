@@ -18,6 +18,7 @@ def accelerometer_at(times: np.ndarray, cfc: int = 0) -> xr.Dataset:
             "acceleration": (DIMS, np.zeros((len(times), 2, 1)), {"units": "m s-2"}),
             "sensor_body": ("sensor", ["car", "engine"]),
             "sensor_point": (("sensor", "axis"), np.zeros((2, 1)), {"units": "m"}),
+            "acceleration_std": ("sensor", [2.0, 3.0], {"units": "m s-2"}),
         },
         {"time": times, "sensor": ["car_acc", "engine_acc"], "axis": ["x"]},
         {"observer": "accelerometer", "channel_frequency_class": cfc, "frame": "laboratory"},
@@ -29,6 +30,7 @@ def load_cell_at(times: np.ndarray, cfc: int = 0, bodies: tuple[str, ...] = ("wa
         {
             "force": (DIMS, np.zeros((len(times), len(bodies), 1)), {"units": "N"}),
             "sensor_body": ("sensor", list(bodies)),
+            "force_std": ("sensor", np.full(len(bodies), 500.0), {"units": "N"}),
         },
         {"time": times, "sensor": [f"cell_{index}" for index in range(len(bodies))], "axis": ["x"]},
         {"observer": "load_cell", "channel_frequency_class": cfc},

@@ -5,7 +5,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from crashkit_smoothers.penalised_spline import Fit, PenalisedSpline
 
-WIDTH = 1.5
+WIDTH = 1.2
 """Standard deviation of the window in which roughness is averaged, in lengths of a degree of freedom."""
 END = 1.0
 """So near to an end, in the same length, a smoothing spline shows no roughness, and it is taken from further inside."""

@@ -89,7 +89,7 @@ class _Workpiece:
     def of(cls, reading: Reading, recipe: Recipe) -> "_Workpiece":
         x = reading.x[reading.present]
         few = slice(None, None, 1 + len(x) // ENOUGH)
-        trend = Polynomial.fit(x[few], reading.z[few], recipe.order - 1, domain=[0.0, 1.0])
+        trend = Polynomial.fit(x[few], reading.z[few], recipe.order - 1, domain=[0.0, 1.0], w=reading.scale[few])
         return cls(reading, recipe, x, reading.z - trend(x), trend)
 
     def on_knots(self, interior: int, near: float | None) -> SplineFit:

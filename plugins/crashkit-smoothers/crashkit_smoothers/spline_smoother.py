@@ -92,16 +92,18 @@ def _fit(reading: Reading, recipe: Recipe, criterion: Criterion, find_contacts: 
     contradict it they are smoothed as if it were unknown but for the weights.
     """
     fit = fit_with_contacts_found if find_contacts else fit_spline
-    if reading.std is not None:
-        fitted = fit(reading, evolve(recipe, score=criterion.known))
-        freedom, found = fitted.fit.freedom, found_noise(reading, fitted)
-        if freedom < FULL * reading.count and not exceeds(found, 1.0, reading.count - freedom):
-            return fitted, 1.0
+    if reading.std is None:
+        unknown = fit(reading, recipe)
+        return unknown, found_noise(reading, unknown)
+    known = fit(reading, evolve(recipe, score=criterion.known))
+    if known.fit.freedom < FULL * reading.count and not _exceeds_given(reading, known):
+        return known, 1.0
     unknown = fit(reading, recipe)
-    found = found_noise(reading, unknown)
-    if reading.std is not None and not exceeds(found, 1.0, reading.count - unknown.fit.freedom):
-        return fitted, 1.0
-    return unknown, found
+    return (unknown, found_noise(reading, unknown)) if _exceeds_given(reading, unknown) else (known, 1.0)
+
+
+def _exceeds_given(reading: Reading, fitted: SplineFit) -> bool:
+    return exceeds(found_noise(reading, fitted), 1.0, reading.count - fitted.fit.freedom)
 
 
 def found_noise(reading: Reading, fitted: SplineFit) -> float:

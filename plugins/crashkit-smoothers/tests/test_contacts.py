@@ -72,3 +72,9 @@ def test_contacts_without_room_are_refused(contacts: tuple[float, ...]) -> None:
         CrashkitError, match="gcv_quintic: expected contacts with at least 3 samples before, between and after"
     ):
         GcvQuintic(contacts=contacts).smooth(channel(TIMES, braked()[0]))
+
+
+def test_a_given_contact_stays_while_others_are_found() -> None:
+    smooth = AdaptiveQuintic(contacts=(0.0512,), find_contacts=True).smooth(channel(TIMES, noisy(braked()[0], 2)))
+    assert smooth.attrs["contacts"][0] == pytest.approx(0.0512, abs=1e-9)
+    assert smooth.attrs["contacts"][-1] == pytest.approx(END, abs=2e-3)
