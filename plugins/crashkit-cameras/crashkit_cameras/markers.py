@@ -45,7 +45,7 @@ def triangulate(instrument: xr.Dataset, calibration: Calibration | None = None) 
 
 def film_group(instrument: xr.Dataset, markers: xr.Dataset) -> xr.Dataset:
     """A film group from a camera group and its markers' positions; each marker's std is the mean over time and axes."""
-    std = np.sqrt((markers["position_noise"] ** 2).mean(("time", "axis"))).assign_attrs(units="m")
+    std = ((markers["position_noise"] ** 2).mean(("time", "axis")) ** 0.5).assign_attrs(units="m")
     variables = {"position": markers["position"], "position_std": std}
     return xr.Dataset(
         variables | {name: instrument[name] for name in ("marker_body", "marker_point")}, attrs={"observer": "film"}

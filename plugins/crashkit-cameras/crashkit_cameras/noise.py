@@ -60,9 +60,11 @@ def updated_std(estimate: Estimate, readings: Readings, expectation: Expectation
 
 
 def _most_probable(square: float, count: float, usual: float, spread: float) -> float:
-    """The standard deviation from a sum of squares of so many readings, and from what is usual."""
+    """The standard deviation from a sum of squares of so many readings, and from what is usual; LEAST or more."""
 
     def slope(logarithm: float) -> float:
-        return float(count - square * np.exp(-2.0 * logarithm) + (logarithm - np.log(usual)) / SPREAD**2)
+        return float(count - square * np.exp(-2.0 * logarithm) + (logarithm - np.log(usual)) / spread**2)
 
-    return float(np.exp(brentq(slope, np.log(1e-9), np.log(1e4))))
+    if slope(np.log(LEAST)) >= 0.0:
+        return LEAST
+    return float(np.exp(brentq(slope, np.log(LEAST), np.log(usual + np.sqrt(square / max(count, 1.0))))))

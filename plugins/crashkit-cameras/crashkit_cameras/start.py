@@ -34,8 +34,8 @@ def _start(control: Control, frame: Frame, prior: Prior) -> Cameras:
         candidates += _candidates(fit_linear_robust(points, image), readings, frame)
         best, _, _ = _best(candidates, readings, frame, prior)
     if not np.isfinite(best.log_mass):
-        expected = f'camera: view "{control.views[0]}": expected the images of control points in perspective'
-        raise CrashkitError(f"{expected}, found none that has them all before the camera: are points confused?")
+        wanted = f'camera: view "{control.views[0]}": expected the images of control points in perspective'
+        raise CrashkitError(f"{wanted}, found none that has them all before the camera: are points confused?")
     return best.cameras
 
 

@@ -94,6 +94,18 @@ def test_a_body_is_seen_while_one_of_its_markers_is() -> None:
     np.testing.assert_allclose(np.delete(car, 5), np.delete(-2 + 0.5 * np.sin(25 * times), 5))
 
 
+def test_markers_count_by_their_noise_and_two_tell_more_than_one() -> None:
+    """The mean weighted by 1 / variance: 1 / std² = 1 / 1 mm² + 1 / 2 mm²."""
+    found = Film().reconstruct(film_at(np.linspace(0, 0.1, 11)))
+    std = found["position_std"].sel(axis="x")
+    np.testing.assert_allclose(std.sel(body="engine"), 1e-3)
+    np.testing.assert_allclose(std.sel(body="car"), (1e-3**-2 + 2e-3**-2) ** -0.5)
+    film = film_at(np.linspace(0, 0.1, 11))
+    film["position"][:, 1] += 1e-3
+    shift = (Film().reconstruct(film)["position"] - found["position"]).sel(axis="x", body="car")
+    np.testing.assert_allclose(shift, 0.8e-3)
+
+
 def test_a_body_that_the_motion_lacks_is_named() -> None:
     film = film_at(np.array([0.0, 0.1]))
     film["marker_body"] = ("marker", ["engine", "trailer", "car"])
@@ -102,7 +114,7 @@ def test_a_body_that_the_motion_lacks_is_named() -> None:
 
 
 @pytest.mark.parametrize("errors", [{"sill": {"clock_offset": 1e-3}}, {"sill": {"drift": 1.0}}, {"": {"drift": 1.0}}])
-def test_an_error_that_is_not_declared_there_is_refused(errors: dict) -> None:
+def test_an_error_that_is_not_declared_there_is_refused(errors: dict[str, dict[str, float]]) -> None:
     times = np.array([0.0, 0.1])
     with pytest.raises(CrashkitError, match="expected an error of"):
         Film().predict(motion_at(times), film_at(times), errors)

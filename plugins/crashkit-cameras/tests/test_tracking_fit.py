@@ -46,6 +46,34 @@ CONDITIONS = {
 }
 
 
+@pytest.mark.parametrize("condition", CONDITIONS)
+@pytest.mark.parametrize("kind", KINDS)
+def test_targets_are_found_to_two_hundredths_of_a_pixel(kind: str, condition: str) -> None:
+    options = CONDITIONS[condition]
+    tilt = float(options.get("tilt", 0.0))  # type: ignore[arg-type]
+    errors = []
+    for centre, angle in zip(centres(8), np.linspace(0.0, 1.5, 8), strict=True):
+        image = pictured(kind, centre, angle, **options)  # type: ignore[arg-type]
+        errors.append(found(kind, image, centre, angle, tilt).centre - centre)
+    assert np.sqrt(np.mean(np.square(errors))) < 0.02
+    assert np.median(np.hypot(*np.transpose(errors))) < 0.015
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("noise", [2.0, 6.0])
+def test_the_stated_deviation_is_that_of_the_errors(kind: str, noise: float) -> None:
+    random = np.random.default_rng(11)
+    deviations = []
+    for number, centre in enumerate(centres(4)):
+        image = pictured(kind, centre, 0.2 + 0.3 * number, levels=255).astype(float)
+        for _ in range(30):
+            result = found(kind, image + noise * random.standard_normal(image.shape), centre, 0.2 + 0.3 * number)
+            deviations.append((result.centre - centre) / result.std)
+    inside = np.mean(np.abs(deviations) < 1.0), np.mean(np.abs(deviations) < 2.0)
+    assert 0.85 < np.sqrt(np.mean(np.square(deviations))) < 1.2
+    assert 0.61 < inside[0] < 0.78 and 0.92 < inside[1] < 0.99
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_noise_that_depends_on_brightness_is_told_too(kind: str) -> None:
     """Shot noise: bright parts vary more."""
@@ -54,6 +82,38 @@ def test_noise_that_depends_on_brightness_is_told_too(kind: str) -> None:
     results = [found(kind, image + np.sqrt(image / 6.0) * random.standard_normal(image.shape), centre) for _ in range(80)]
     deviations = [(one.centre - centre) / one.std for one in results]
     assert 0.8 < np.sqrt(np.mean(np.square(deviations))) < 1.2
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_glint_is_left_out(kind: str) -> None:
+    centre = np.array([24.3, 24.1])
+    image = pictured(kind, centre, noise=1.0)
+    clean = found(kind, image, centre)
+    image[18:22, 20:23] = 255
+    with_glint = found(kind, image, centre)
+    assert np.hypot(*(with_glint.centre - centre)) < 0.03
+    assert with_glint.quality < clean.quality
+
+
+def test_a_quadrant_is_found_behind_an_obstacle_and_its_quality_tells() -> None:
+    centre = np.array([24.3, 24.1])
+    target = Painted("target", "quadrant", lambda time: Pose((24.3, 24.1), RADIUS, 0.3))
+    card = Painted("in front", "card", lambda time: Pose((35.3, 24.0), 5.0), dark=0.3)
+    (frame,) = render([target, card], Imaging(SIZE, SIZE, noise=1.0, ground=0.4), [0.0])
+    result = found("quadrant", frame.image, centre)
+    assert np.hypot(*(result.centre - centre)) < 0.03
+    assert result.quality < 0.97
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_saturated_pixels_do_not_pull(kind: str) -> None:
+    """The light rises to the right until the card is as white as can be recorded."""
+    errors = []
+    for centre in centres(6):
+        image = pictured(kind, centre, light=(0.02, 0.0), noise=1.0)
+        assert (image == 255).mean() > 0.05
+        errors.append(found(kind, image, centre).centre - centre)
+    assert np.abs(np.mean(errors, axis=0)).max() < 0.01
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -3,6 +3,7 @@
 from crashkit_cameras.tracking.detect import detect, mark
 from crashkit_cameras.tracking.follow import follow
 from crashkit_cameras.tracking.frame import Frame
+from crashkit_cameras.tracking.group import camera_group
 from crashkit_cameras.tracking.images import ImageFiles, Video, write_images, write_overlay
 from crashkit_cameras.tracking.marker import Limits
 from crashkit_cameras.tracking.render import Imaging, Painted, Pose, render, true_position
@@ -16,6 +17,7 @@ __all__ = [
     "Painted",
     "Pose",
     "Video",
+    "camera_group",
     "combine_views",
     "detect",
     "follow",

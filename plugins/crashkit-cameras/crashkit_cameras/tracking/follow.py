@@ -74,7 +74,7 @@ def _step(frame: Frame, markers: Mapping[str, Marker], limits: Limits) -> Sighti
             found = sightings[name] = marker.around(frame, limits, taken)
             if isinstance(found, Fit):
                 taken.append(found.centre)
-        marker.remember(frame, found)
+        sightings[name] = marker.remember(frame, found)
     return sightings
 
 
@@ -94,10 +94,10 @@ def _shown(frame: Frame, shown: xr.Dataset, markers: dict[str, Marker]) -> Sight
     for name in shown["marker"].values.tolist():
         one = shown.sel(marker=name)
         found = acquire(pattern_of(str(one["kind"].values)), frame.image, one["image_position"].values, float(one["radius"]))
-        sightings[name] = UNFOUND if found is None else found
+        sightings[name] = UNFOUND
         if found is not None:
             markers[name] = Marker(found)
-            markers[name].remember(frame, found)
+            sightings[name] = markers[name].remember(frame, found)
     return sightings
 
 

@@ -45,6 +45,12 @@ class ImageFiles:
     def __len__(self) -> int:
         return len(self.paths)
 
+    def __iter__(self) -> Iterator[Frame]:
+        return (self[index] for index in range(len(self)))
+
+    def __reversed__(self) -> Iterator[Frame]:
+        return (self[index] for index in reversed(range(len(self))))
+
     def __getitem__(self, index: int) -> Frame:
         """A frame, grey, as deep as it is stored. Raises CrashkitError for a file that OpenCV cannot read."""
         path, cv2 = self.paths[index], _opencv()

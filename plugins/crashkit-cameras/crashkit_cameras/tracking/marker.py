@@ -6,6 +6,7 @@ from attrs import Factory, define, evolve, frozen
 from crashkit_cameras.tracking.detect import settle
 from crashkit_cameras.tracking.fit import Fit, fit
 from crashkit_cameras.tracking.frame import Frame
+from crashkit_cameras.tracking.light import Light
 from crashkit_cameras.tracking.path import Path
 from crashkit_cameras.tracking.search import search_around
 
@@ -50,11 +51,13 @@ class Marker:
     Attributes:
         seen: how it looked when it was seen last.
         path: where it was.
+        light: that fell on it.
         missed: frames since it was seen.
     """
 
     seen: Fit
     path: Path = Factory(Path)
+    light: Light = Factory(Light)
     missed: int = 0
 
     @property
@@ -85,15 +88,17 @@ class Marker:
                     return judged
         return reason
 
-    def remember(self, frame: Frame, found: Fit | str) -> None:
-        """Where and how the target was seen, or that it was not."""
+    def remember(self, frame: Frame, found: Fit | str) -> Fit | str:
+        """Remember where and how the target was seen, or that it was not; return it as it is in the remembered light."""
         if not isinstance(found, Fit):
-            self.missed += 1
-            return
+            self.missed, self.light = self.missed + 1, Light()
+            return found
+        found = self.light.applied(found)
         self.missed = 0
         self.path.add(frame.time, found.centre)
         if found.quality > WHOLE * self.seen.quality:
             self.seen = _measured(found, frame.image)
+        return found
 
     def _shape(self, centre: np.ndarray) -> np.ndarray:
         """The target as it was seen last, at another place."""

@@ -14,15 +14,16 @@ LIGHT = 7
 CONTRAST = 3
 TONE = 6
 GRADIENTS = [1, 2, 4, 5]
-STEEPEST = 0.3
+STEEPEST = 0.5
 """The largest change of light over a radius, in contrasts."""
-CENTRE = slice(LIGHT, LIGHT + 2)
+CENTRE = [LIGHT, LIGHT + 1]
 LEAST_PIXELS_PER_VALUE = 2
 OUTLIER_DEVIATIONS, OUTLIER_CONTRAST = 4.0, 0.25
 """How far a pixel may be from the fit, in deviations of the noise and in contrasts; the larger counts."""
 OUTLIER_REACH = 2
 """pixel; what blur makes of the rim of something in front."""
-ITERATIONS, DAMPING = 20, 1e-3
+ITERATIONS, DAMPING, SETTLED = 20, 1e-3, 1e-2
+"""The last step lowers the cost by less than a part of it."""
 DEPTHS = (8, 10, 12, 14, 16)
 """Bits of sensors."""
 TINY = 1e-12
@@ -79,13 +80,13 @@ class Problem:
     def lit(self, shape: np.ndarray) -> State:
         """A shape in the light that fits it best."""
         m, _ = self.pattern.values(shape, self.u, self.v)
-        return self.state(np.append(_step(self.grey, self._to_light(m), 0.0), shape))
+        return self.state(self._bounded(np.append(_step(self.grey, self._to_light(m), 0.0), shape)))
 
     def converge(self, state: State, weigh: Weigh, still: float, free: slice = slice(None)) -> tuple[State, bool]:
         """Gauss-Newton with Marquardt's damping, on some of the values; and whether the centre came to rest.
 
         Arguments:
-            still: pixel; a shorter step is the last.
+            still: pixel; a shorter step is the last, if it settles the shape too.
         """
         damping, held = DAMPING, np.ones((len(state.values), 1), dtype=bool)
         held[free] = False
@@ -96,11 +97,12 @@ class Problem:
             moved = np.hypot(*(values - state.values)[CENTRE])
             trial = self.state(values)
             trial_root, trial_cost = weigh(trial.residual)
+            settled = cost - trial_cost < SETTLED * cost
             if trial_cost <= cost:
                 state, root, cost, damping = trial, trial_root, trial_cost, 0.1 * damping
             else:
                 damping *= 10.0
-            if moved < still:
+            if moved < still and settled:
                 return state, True
         return state, False
 
@@ -116,24 +118,32 @@ class Problem:
         outliers[v, u] = far
         return ~binary_dilation(outliers, iterations=OUTLIER_REACH)[v, u]
 
-    def centre_errors(self, state: State, used: np.ndarray) -> np.ndarray:
-        """How far each pixel's residual moves the centre, (2, pixel); its square is White's covariance."""
+    def errors(self, state: State, used: np.ndarray, values: list[int]) -> np.ndarray:
+        """How far each pixel's residual moves some of the values, (value, pixel); its square is White's covariance."""
         slopes, size = _scaled(state.slopes[:, used])
         gain = np.linalg.solve(slopes @ slopes.T + TINY * np.eye(len(size)), slopes)
         leverage = np.sum(gain * slopes, axis=0).clip(max=0.99)
-        return (gain / size)[CENTRE] * state.residual[used] / np.sqrt(1.0 - leverage)
+        return (gain / size)[values] * state.residual[used] / np.sqrt(1.0 - leverage)
 
     def quality(self, state: State) -> float:
         """The share of the variation, beyond a gradient of the light, that the model explains; 0 at least."""
         unpatterned = self.grey - self.plane.T @ _step(self.grey, self.plane, 0.0)
         return max(float(1.0 - np.sum(state.residual**2) / max(np.sum(unpatterned**2), np.finfo(float).tiny)), 0.0)
 
+    def steep(self, state: State) -> bool:
+        """Whether the light changes as much as it may: that is no light, but something in front of the target."""
+        return bool(np.max(np.abs(state.values[GRADIENTS])) > 0.99 * self._steepest(state.values))
+
     def _bounded(self, values: np.ndarray) -> np.ndarray:
-        """The nearest values that make sense: light that changes more over a target is something in front of it."""
+        """The nearest values that make sense."""
         bounded = np.append(values[:LIGHT], self.pattern.bounded(values[LIGHT:]))
-        steepest = STEEPEST * abs(values[CONTRAST]) / self.pattern.radius(bounded[LIGHT:])
+        steepest = self._steepest(bounded)
         bounded[GRADIENTS] = bounded[GRADIENTS].clip(-steepest, steepest)
         return bounded
+
+    def _steepest(self, values: np.ndarray) -> float:
+        """The largest gradient of the light, in the image's units for each pixel."""
+        return STEEPEST * abs(float(values[CONTRAST])) / self.pattern.radius(values[LIGHT:])
 
     def _to_light(self, m: np.ndarray) -> np.ndarray:
         """The derivatives of a pattern's brightness to the light."""

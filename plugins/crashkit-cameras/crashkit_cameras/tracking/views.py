@@ -17,14 +17,17 @@ def combine_views(views: Mapping[str, xr.Dataset]) -> xr.Dataset:
     Returns:
         Dataset with `image_position` (time, view, marker, image_axis), pixel, NaN where a view has no frame or does not see
         the marker; `image_position_std` (marker), the root mean square of `image_position_noise`, which has the dims of
-        `image_position`; `quality` (time, view, marker). A camera group also has control points, `marker_body` and
-        `marker_point`.
+        `image_position`; `quality` (time, view, marker). `camera_group` adds what makes it a group of a recording.
     """
     tracks = [view[["image_position", "image_position_std", "quality"]] for view in views.values()]
     timed = [track.assign_coords(time=track["time"].round(SAME_TIME)) for track in tracks]
     names = xr.DataArray(list(views), dims="view", name="view")
     joined = xr.concat(timed, names, join="outer", data_vars="all", coords="minimal", compat="equals", combine_attrs="drop")
     each = joined["image_position_std"]
-    typical = ((each**2).mean(("time", "view", "image_axis")) ** 0.5).assign_attrs(units="pixel")
-    joined = joined.assign(image_position_std=typical, image_position_noise=each)
+    places = {
+        "image_position": joined["image_position"],
+        "image_position_std": (each**2).mean(("time", "view", "image_axis")) ** 0.5,
+        "image_position_noise": each,
+    }
+    joined = joined.assign({name: values.assign_attrs(units="pixel") for name, values in places.items()})
     return joined.transpose("time", "view", "marker", "image_axis")
