@@ -6,7 +6,7 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.diagnose.consistency import check_instruments
-from crashkit.diagnose.finding import estimates, experiment, make_finding, stand_ins, with_experiment
+from crashkit.diagnose.finding import estimates, experiment, is_there, make_finding, stand_ins, with_experiment
 from crashkit.diagnose.fits import curves_of, fit_of, predict
 from crashkit.diagnose.name import FLOOR, Progress
 from crashkit.diagnose.reidentify import refine, reidentify
@@ -106,7 +106,7 @@ def _findings(workshop: Workshop, discovery: Discovery, unseen: tuple[Misfit, ..
     identified = discovery.search.result()
     units = units_of(discovery.final.model, workshop)
     told: list[tuple[Finding, dict[str, xr.Dataset]]] = []
-    for look in discovery.rounds:
+    for look in [look for look in discovery.rounds if is_there(look.rivals[0], identified)]:
         rival = look.rivals[0]
         action = action_of(workshop, discovery.final, look.before, rival, unseen)
         kind = workshop.hypotheses[rival.proposal.physics]

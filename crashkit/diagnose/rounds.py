@@ -120,7 +120,7 @@ def _reconsider(
     looks, search = list(rounds), rounds[-1].rivals[0].search
     for old in rounds:
         others = [look.rivals[0] for look in looks if look is not old]
-        without = rebuild(workshop, base_search, others)
+        without = rebuild(workshop, base_search, others, search)
         if without is None or (search.normalised < FLOOR and without.deviance > search.deviance + NEEDED):
             continue
         look = _look(workshop, given, without.fitted(), others, progress)
@@ -133,15 +133,15 @@ def _reconsider(
     return looks, search
 
 
-def rebuild(workshop: Workshop, base_search: Search, rivals: Sequence[Rival]) -> Search | None:
-    """The given model with these findings, fitted, from the values that they were found at; None if one cannot be placed."""
+def rebuild(workshop: Workshop, base_search: Search, rivals: Sequence[Rival], last: Search) -> Search | None:
+    """The given model with these findings, fitted, from the values that they were last given; None if one cannot be placed."""
     search = base_search
     for rival in rivals:
         current = search.fitted()
         proposal = next((p for p in propose_all(workshop.hypotheses, current) if _same(p, rival.proposal)), None)
         if proposal is None:
             return None
-        found = rival.search.misfit.values(rival.search.point)
+        found = {**rival.search.misfit.values(rival.search.point), **last.misfit.values(last.point)}
         misfit = workshop.equipped([proposal.model]).misfit(current, proposal.model)
         start = {name: found[name] for name in misfit.names if name in found}
         search = begin(workshop.identifier, misfit.with_values(start)).advance(STEPS)
