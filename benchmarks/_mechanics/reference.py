@@ -49,10 +49,12 @@ class Reference:
     Arguments:
         model: in one axis or in the plane, of fixed and free bodies, with no law but `crush_plateau`.
         paths: parameters to differentiate to: of laws, masses, inertia, velocities, free lengths.
+        extended: whether to compute in the processor's extended precision, of 64 bits instead of 53.
     """
 
-    def __init__(self, model: Model, paths: Sequence[str] = ()) -> None:
+    def __init__(self, model: Model, paths: Sequence[str] = (), extended: bool = False) -> None:
         self.model = model
+        self.real = np.longdouble if extended else np.float64
         self.paths = tuple(paths)
         self.bodies = sorted(model.bodies, key=lambda body: body.fixed)
         self.dof = 1 if len(model.axes) == 1 else 3
@@ -62,19 +64,20 @@ class Reference:
         self.seeds = np.zeros((), self._layout((self.columns,)))
         self._fill()
         for column, path in enumerate(self.paths):
-            self._seed(column, *path.split("."))
+            self._seed(column, path)
         self.library = _built(self._definitions())
+        self._number = ctypes.c_longdouble if extended else ctypes.c_double
 
     def run(self, times: Floats, step: float, plain: bool = False) -> tuple[Motion, Motion]:
         """The motion and its derivatives."""
         values, tangents = self.room(times.size)
-        self.call(times, step, plain, values, tangents)
+        self.call(times.astype(self.real), step, plain, values, tangents)
         return self._motion(values), self._motion(tangents[..., : len(self.paths)])
 
     def room(self, times: int) -> tuple[Floats, Floats]:
         """Arrays for the results of `call`."""
         width = 3 * self.dof * self.moving + len(self.model.joints)
-        return np.empty((times, width)), np.empty((times, width, self.columns))
+        return np.empty((times, width), self.real), np.empty((times, width, self.columns), self.real)
 
     def call(self, times: Floats, step: float, plain: bool, values: Floats, tangents: Floats) -> tuple[int, int]:
         """The C function and nothing else; returns how many steps it took, and how many it tried."""
@@ -84,7 +87,7 @@ class Reference:
             int(plain),
             _pointer(times),
             ctypes.c_long(times.size),
-            ctypes.c_double(step),
+            self._number(step),
             *map(_pointer, (values, tangents)),
             ctypes.byref(trials),
         )
@@ -93,11 +96,12 @@ class Reference:
         return steps, trials.value
 
     def inputs(self, values: Mapping[str, Floats]) -> Floats:
-        """Inputs of many runs, with values of laws' parameters by path."""
+        """Inputs of many runs, with values by path."""
         out = np.repeat(self.input[None], len(next(iter(values.values()))))
         for path, column in values.items():
-            _, joint, name = path.split(".")
-            out["p"][:, self._joint(joint), NAMES.index(name)] = column
+            name, indices, inverse = self._place(path)
+            for index in indices:
+                out[name][:, *index] = 1.0 / column if inverse else column
         return out
 
     def call_many(self, inputs: Floats, end: float, step: float, plain: bool, values: Floats) -> int:
@@ -107,8 +111,8 @@ class Reference:
             ctypes.c_long(inputs.size),
             _pointer(self.seeds),
             int(plain),
-            ctypes.c_double(end),
-            ctypes.c_double(step),
+            self._number(end),
+            self._number(step),
             _pointer(values),
         )
         return steps
@@ -119,7 +123,7 @@ class Reference:
 
     def _definitions(self) -> tuple[str, ...]:
         joints = self.model.joints
-        ends = [[self._body(name) for name in joint.bodies] for joint in joints]
+        ends = [[self.body(name) for name in joint.bodies] for joint in joints]
         lists = {
             "FIRST": [first for first, _ in ends],
             "SECOND": [second for _, second in ends],
@@ -133,7 +137,8 @@ class Reference:
             "COLUMNS": self.columns,
         }
         texts = {name: "{" + ",".join(map(str, values)) + "}" for name, values in lists.items()}
-        return tuple(f"-D{name}={value}" for name, value in {**sizes, **texts}.items())
+        extended = ("-DEXTENDED",) if self.real is np.longdouble else ()
+        return (*extended, *(f"-D{name}={value}" for name, value in {**sizes, **texts}.items()))
 
     def _layout(self, last: tuple[int, ...] = ()) -> np.dtype:
         """The C structures `Model` and, with a last axis of columns, `Seeds`."""
@@ -145,7 +150,7 @@ class Reference:
             **({} if last else {"places": (joints, 6)}),
             "rest": (joints, *last),
         }
-        return np.dtype([(name, np.float64, shape) for name, shape in shapes.items()])
+        return np.dtype([(name, self.real, shape) for name, shape in shapes.items()])
 
     def _fill(self) -> None:
         axes = len(self.model.axes)
@@ -165,7 +170,7 @@ class Reference:
         """The places of a joint as C wants them, and the distance of its ends at t = 0."""
         places = np.zeros((3, 2))
         places[:2, :axes] = joint.points or ((0.0,) * axes,) * 2
-        starts = [self.input["start"][0, self.dof * self._body(name) :][: self.dof] for name in joint.bodies]
+        starts = [self.input["start"][0, self.dof * self.body(name) :][: self.dof] for name in joint.bodies]
         if axes == 1:
             apart = starts[1][0] + places[1, 0] - starts[0][0] - places[0, 0]
             places[2, 0] = -1.0 if apart < 0.0 else 1.0
@@ -177,22 +182,39 @@ class Reference:
         places[2] = joint.normal
         return places.ravel(), float(frames[0] @ places[2] @ apart)
 
-    def _seed(self, column: int, kind: str, name: str, what: str) -> None:
+    def value(self, path: str) -> float:
+        """A parameter's value."""
+        name, index, inverse = self._place(path)
+        found = self.input[name][index[0]]
+        return 1.0 / found if inverse else found
+
+    def put(self, path: str, value: float) -> None:
+        """Give a parameter another value."""
+        name, indices, inverse = self._place(path)
+        for index in indices:
+            self.input[name][index] = 1.0 / value if inverse else value
+
+    def _seed(self, column: int, path: str) -> None:
         """Make a column the derivatives to one parameter."""
+        name, indices, inverse = self._place(path)
+        for index in indices:
+            self.seeds[name][*index, column] = -(self.input[name][index] ** 2) if inverse else 1.0
+
+    def _place(self, path: str) -> tuple[str, list[tuple[int, ...]], bool]:
+        """The field of `input`, the indices in it, and whether it holds the inverse."""
+        kind, name, what = path.split(".")
         what, _, index = what.rstrip("]").partition("[")
         if kind == "joint":
-            place = ("rest", (self._joint(name),)) if what == "free_length" else ("p", (self._joint(name), NAMES.index(what)))
-            self.seeds[place[0]][*place[1], column] = 1.0
-            return
-        first = self.dof * self._body(name)
+            joint = self._joint(name)
+            return ("rest", [(joint,)], False) if what == "free_length" else ("p", [(joint, NAMES.index(what))], False)
+        first = self.dof * self.body(name)
         if what == "velocity":
-            self.seeds["start"][1, first + int(index or 0), column] = 1.0
-            return
+            return "start", [(1, first + int(index or 0))], False
         coordinates = {"mass": range(min(self.dof, 2)), "inertia": [2]}[what]
-        for i in coordinates:
-            self.seeds["inverse_mass"][first + i, column] = -(self.input["inverse_mass"][first + i] ** 2)
+        return "inverse_mass", [(first + i,) for i in coordinates], True
 
-    def _body(self, name: str) -> int:
+    def body(self, name: str) -> int:
+        """Its place among the bodies, those that move first."""
         return [body.name for body in self.bodies].index(name)
 
     def _joint(self, name: str) -> int:

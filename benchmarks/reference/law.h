@@ -1,13 +1,11 @@
 /* The law: elastic up to a crush force, a plateau, densification; its own slope for unloading and reloading.
 
-   F = (c0 + c1 d)(1 + a ddot), where a branch gives c0 and c1 and holds for low < d < high. A joint with an unloading slope
-   also changes its branch when it turns around while it is loaded. */
-#include <math.h>
-
-#define BEYOND 1e-12             /* m, past the end of a branch, where the next one is looked up */
+   F = (c0 + c1 d)(1 + side a ddot), where a branch gives c0 and c1, and side (1 where it pushes, -1 where it pulls), and holds for
+   low < d < high; rates stay below 1 / a. A joint with an unloading slope also changes its branch when it turns around while it
+   is loaded. */
 
 typedef struct {
-    double c0, c1, low, high, d_max;
+    double c0, c1, side, low, high, d_max;
     int loading;                 /* the rate must stay positive: at its zero the largest deformation is remembered */
     double c0_t[COLUMNS], c1_t[COLUMNS], d_max_t[COLUMNS];
 } Branch;
@@ -18,6 +16,7 @@ static inline void load(Branch *b, const double *p, const double (*p_t)[COLUMNS]
     double alpha = p[STIFFNESS], delta = p[CRUSH_FORCE], gap = p[CLEARANCE], knee = delta / alpha;
     int buckled = p[DENSIFICATION] > knee;
     double end = buckled ? p[DENSIFICATION] : knee, x = d - gap;
+    b->side = x >= 0.0 ? 1.0 : -1.0;
     if (x >= end) {
         double beta = p[DENSE_STIFFNESS];
         b->c0 = delta - beta * (gap + end), b->c1 = beta, b->low = gap + end, b->high = INFINITY;
@@ -32,7 +31,7 @@ static inline void load(Branch *b, const double *p, const double (*p_t)[COLUMNS]
         for (int c = 0; c < COLUMNS; c++)
             b->c0_t[c] = p_t[CRUSH_FORCE][c], b->c1_t[c] = 0.0;
     } else if (x >= 0.0 || p[TENSION] != 0.0) {
-        b->c0 = -alpha * gap, b->c1 = alpha, b->low = p[TENSION] != 0.0 ? -INFINITY : gap, b->high = gap + knee;
+        b->c0 = -alpha * gap, b->c1 = alpha, b->low = x >= 0.0 ? gap : -INFINITY, b->high = x >= 0.0 ? gap + knee : gap;
         for (int c = 0; c < COLUMNS; c++) {
             b->c0_t[c] = -p_t[STIFFNESS][c] * gap - alpha * p_t[CLEARANCE][c];
             b->c1_t[c] = p_t[STIFFNESS][c];
@@ -52,16 +51,18 @@ static inline void unload(Branch *b, const double *p, const double (*p_t)[COLUMN
     top = b->c0 + b->c1 * b->d_max;
     if (top <= 0.0)              /* never crushed beyond its clearance: the elastic line, which is negative there */
         top = p[STIFFNESS] * (b->d_max - p[CLEARANCE]);
-    slack = p[TENSION] != 0.0 ? -INFINITY : b->d_max - top / k;
-    if (d >= slack) {
+    slack = b->d_max - top / k;
+    b->side = d >= slack ? 1.0 : -1.0;
+    b->low = d >= slack ? slack : -INFINITY, b->high = d >= slack ? b->d_max : fmin(slack, b->d_max);
+    if (d >= slack || p[TENSION] != 0.0) {
         for (int c = 0; c < COLUMNS; c++) {
             double top_t = b->c0_t[c] + b->c1_t[c] * b->d_max + b->c1 * b->d_max_t[c];
             b->c0_t[c] = top_t - p_t[UNLOADING][c] * b->d_max - k * b->d_max_t[c];
             b->c1_t[c] = p_t[UNLOADING][c];
         }
-        b->c0 = top - k * b->d_max, b->c1 = k, b->low = slack, b->high = b->d_max;
+        b->c0 = top - k * b->d_max, b->c1 = k;
     } else {
-        b->c0 = 0.0, b->c1 = 0.0, b->low = -INFINITY, b->high = fmin(slack, b->d_max);
+        b->c0 = 0.0, b->c1 = 0.0;
         for (int c = 0; c < COLUMNS; c++)
             b->c0_t[c] = b->c1_t[c] = 0.0;
     }

@@ -4,7 +4,23 @@
    MOVING   bodies that move; FIXED bodies follow them
    JOINTS   springs, with FIRST and SECOND, the lists of their bodies, and FACE, the list of those that are contacts with a face
    COLUMNS  parameters to which derivatives are taken; 0: none
+   EXTENDED if defined, every number is a long double, to take differences of
 */
+#include <math.h>
+#include <string.h>
+
+#ifdef EXTENDED
+#include <tgmath.h>
+#define double long double
+#define LANDED 1e-18L            /* m or m s-1, of the guard at a crossing */
+#define BEYOND 1e-16L            /* m, past the end of a branch, where the next one is looked up */
+#define SHORTEST 1e-20L          /* s, of a step that is shortened to a crossing */
+#else
+#define LANDED 1e-14
+#define BEYOND 1e-12
+#define SHORTEST 1e-16
+#endif
+
 #define DOF (AXES == 1 ? 1 : 3)
 #define N (DOF * MOVING)
 #define ALL (DOF * (MOVING + FIXED))

@@ -1,7 +1,5 @@
 /* The classical Runge-Kutta rule of fourth order, by plain steps or by steps that keep to their branches and land on crossings,
    with forward sensitivities. Everything is of a size that the compiler knows, and nothing is allocated. */
-#include <string.h>
-
 #include "model.h"
 #include "law.h"
 #if AXES == 1
@@ -9,8 +7,6 @@
 #else
 #include "plane.h"
 #endif
-
-#define LANDED 1e-14             /* m or m s-1, of the guard at a crossing */
 
 typedef struct {
     const Model *m;
@@ -33,7 +29,7 @@ static void accelerate(Run *r, State *s)
         measure(m, &frames, s, j);
         if (r->live)
             choose(b, m->p[j], r->seeds->p[j], s->d[j], s->d[j] >= b->d_max);
-        s->f[j] = (b->c0 + b->c1 * s->d[j]) * (1.0 + m->p[j][RATE] * s->w[j]);
+        s->f[j] = (b->c0 + b->c1 * s->d[j]) * (1.0 + b->side * m->p[j][RATE] * s->w[j]);
         push(m, &frames, s, net, j);
     }
     for (int i = 0; i < N; i++)
@@ -55,10 +51,10 @@ static void accelerate_t(Run *r, State *s, Tangent *t)
         d = s->d[j], w = s->w[j];
         if (r->live)
             choose(b, m->p[j], r->seeds->p[j], d, d >= b->d_max);
-        factor = 1.0 + rate * w, line = b->c0 + b->c1 * d;
+        factor = 1.0 + b->side * rate * w, line = b->c0 + b->c1 * d;
         for (int c = 0; c < COLUMNS; c++) {
             double line_t = b->c0_t[c] + b->c1_t[c] * d + b->c1 * t->d[j][c];
-            t->f[j][c] = line_t * factor + line * (r->seeds->p[j][RATE][c] * w + rate * t->w[j][c]);
+            t->f[j][c] = line_t * factor + line * b->side * (r->seeds->p[j][RATE][c] * w + rate * t->w[j][c]);
         }
         push(m, &frames, s, net, j);
         push_t(m, &frames, s, t, net_t, j);
@@ -134,7 +130,7 @@ static double land(Run *r, int j, int k, double high)
         step(r, 0.0);
         return 0.0;
     }
-    while (high - low > 1e-16 && fabs(g1) > LANDED) {
+    while (high - low > SHORTEST && fabs(g1) > LANDED) {
         double h = h1 - g1 * (h1 - h0) / (g1 - g0);
         if (!(low < h && h < high))
             h = 0.5 * (low + high);

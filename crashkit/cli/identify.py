@@ -12,7 +12,7 @@ def register(commands: Any) -> None:
     parser: ArgumentParser = commands.add_parser("identify", help=__doc__, description=__doc__)
     parser.add_argument("model", metavar="MODEL", type=Path, help="model file (TOML)")
     parser.add_argument("runs", metavar="RUN", type=Path, nargs="+", help="recordings to fit (netCDF)")
-    parser.add_argument("--method", metavar="NAME", default="sensitivity", help="an installed identifier (%(default)s)")
+    parser.add_argument("--method", metavar="NAME", default="multi_start", help="an installed identifier (%(default)s)")
     parser.add_argument("--output", metavar="MODEL.toml", type=Path, required=True, help="file for the identified model")
     parser.set_defaults(run=run)
 

@@ -29,7 +29,8 @@ class Rows:
         """Its derivatives, (row, parameter)."""
         sensitivity = prediction.sensitivity
         assert sensitivity is not None  # asked for by the only caller
-        return sensitivity.reshape(len(sensitivity) * sensitivity.shape[1], sensitivity.shape[2])[self.kept] * -self.weights[:, None]
+        columns = sensitivity.reshape(len(sensitivity) * sensitivity.shape[1], sensitivity.shape[2])
+        return columns[self.kept] * -self.weights[:, None]
 
 
 def rows_of(group: Group) -> Rows:

@@ -44,8 +44,9 @@ class Identification:
 
     Attributes:
         parameters: Dataset over `parameter` with `value`, `std`, the 95 % interval `interval_lower` to `interval_upper`, the
-            bounds `lower` and `upper`, `at_bound`, `identifiable`, `units`, and `covariance` (parameter, parameter_2); `std` is
-            NaN where nothing is known of it. Attributes `normalised_residual` (root mean square over noise) and `remarks`.
+            bounds `lower` and `upper`, `at_bound`, `identifiable`, `units`, and `covariance` (parameter, parameter_2);
+            `std` is NaN where nothing is known of it. Attributes `normalised_residual` (root mean square over noise) and
+            `remarks`.
         status: how it ended.
         cost: half the sum of squared weighted residuals.
         unseen: combinations of parameters that the data do not see, as sentences.

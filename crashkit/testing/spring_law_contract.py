@@ -9,8 +9,8 @@ import pytest
 from crashkit.errors import CrashkitError
 from crashkit.mechanics.laws.own_branches import compile_own, has_own_branches
 from crashkit.mechanics.laws.source import OutsideSubset, state_of
-from crashkit.protocols import SpringLaw
-from crashkit.testing.spring_law_probe import SEEDS, Derived, Point, Probe, Values, branch_end, largest_jump
+from crashkit.protocols import ParameterSpec, SpringLaw
+from crashkit.testing.spring_law_probe import SEEDS, Derived, Point, Probe, Values, branch_end, largest_jump, where
 
 UNIT = re.compile(r"1|[A-Za-z]+(-?\d+)?( [A-Za-z]+(-?\d+)?)*")
 REST: Point = (0.0, 0.0, 0.0, 0.0)
@@ -44,6 +44,8 @@ class SpringLawContract:
     @pytest.fixture
     def probe(self, law: type[SpringLaw], parameters: Values) -> Probe:
         """The law at these parameters."""
+        if problem := _undeclared(law):
+            pytest.fail(problem, pytrace=False)
         return Probe(law, parameters, (self.largest_deformation, self.largest_rate))
 
     @pytest.fixture
@@ -56,10 +58,17 @@ class SpringLawContract:
                 pytest.skip(f"{probe.law.name} is declared opaque: it runs slowly and gives no sensitivities")
             pytest.fail(
                 f"{error}. Else give branch, branch_force and branch_slopes, or declare opaque = True: then the law runs as "
-                "plain Python, slowly and without sensitivities"
+                "plain Python, slowly and without sensitivities",
+                pytrace=False,
             )
+        except CrashkitError as error:
+            raise pytest.fail.Exception(str(error), pytrace=False) from None
 
     # declaration
+
+    def test_the_class_declares_a_name_parameters_and_functions(self, law: type[SpringLaw]) -> None:
+        problem = _undeclared(law)
+        assert not problem, problem
 
     def test_the_functions_take_the_state_and_the_declared_parameters(self, law: type[SpringLaw]) -> None:
         assert isinstance(law, type), f"the fixture law: expected the class, found the instance {law!r}"
@@ -106,7 +115,7 @@ class SpringLawContract:
             function = probe.function(part)
             for point in probe.points():
                 assert np.isfinite(function(point)), (
-                    f"{part} of {law.name} at {_where(law, point)}: expected a finite value, found {function(point)}"
+                    f"{part} of {law.name} at {where(law, point)}: expected a finite value, found {function(point)}"
                 )
 
     def test_the_value_is_continuous_or_declared_to_jump(self, law: type[SpringLaw], probe: Probe) -> None:
@@ -115,9 +124,9 @@ class SpringLawContract:
             function = probe.function(part)
             scale = max(abs(function(point)) for point in points)
             for start, end in zip(points, points[1:], strict=False):
-                jump, where = largest_jump(function, start, end)
+                jump, place = largest_jump(function, start, end)
                 assert abs(jump) <= SMALL * scale, (
-                    f"{part} of {law.name} jumps by {abs(jump):g} at {_where(law, where)}: "
+                    f"{part} of {law.name} jumps by {abs(jump):g} at {where(law, place)}: "
                     "expected a continuous value (or jumps = True)"
                 )
 
@@ -127,9 +136,9 @@ class SpringLawContract:
             scale = max(abs(probe.force(point)) for point in probe.points())
             for d, _, d_max, memory in probe.points(50):
                 slow, fast = ((d, sign * self.largest_rate, d_max, memory) for sign in (-1.0, 1.0))
-                jump, where = largest_jump(probe.force, slow, fast)
+                jump, place = largest_jump(probe.force, slow, fast)
                 assert jump <= SMALL * scale, (
-                    f"{law.name} rises by a jump of {jump:g} with the rate at {_where(law, where)}, which would hold the "
+                    f"{law.name} rises by a jump of {jump:g} with the rate at {where(law, place)}, which would hold the "
                     "joint there: expected a smooth rise, such as tanh(ddot / slip_rate)"
                 )
 
@@ -163,14 +172,14 @@ class SpringLawContract:
             for point in probe.points():
                 found = function(point)
                 assert found == pytest.approx(1.0), (
-                    f"{law.name} at its null and {_where(law, point)}: expected 1, found {found:g}"
+                    f"{law.name} at its null and {where(law, point)}: expected 1, found {found:g}"
                 )
 
     def test_a_factor_never_turns_a_force_round(self, law: type[SpringLaw], probe: Probe) -> None:
         if law.unit == "1":
             for point in probe.points():
                 found = probe.force(point)
-                assert found >= 0.0, f"{law.name} at {_where(law, point)}: expected 0 or more, found {found:g}"
+                assert found >= 0.0, f"{law.name} at {where(law, point)}: expected 0 or more, found {found:g}"
 
     # what the engine makes of it
 
@@ -180,10 +189,10 @@ class SpringLawContract:
             for point in probe.points():
                 (found, guard), expected = one.value(point), function(point)
                 assert found == pytest.approx(expected, rel=1e-9, abs=1e-12), (
-                    f"{part} of {law.name} at {_where(law, point)}: expected {expected}, found {found}"
+                    f"{part} of {law.name} at {where(law, point)}: expected {expected}, found {found}"
                 )
                 assert guard >= 0.0, (
-                    f"the distance to the end of the branch of {law.name} at {_where(law, point)}, which is on it: "
+                    f"the distance to the end of the branch of {law.name} at {where(law, point)}, which is on it: "
                     f"expected 0 or more, found {guard:g}"
                 )
 
@@ -192,7 +201,7 @@ class SpringLawContract:
             for point in probe.points():
                 for name, found, expected, error in one.slopes(point):
                     assert abs(found - expected) <= error, (
-                        f"the derivative of {one.function.part} of {law.name} to {name} at {_where(law, point)}: "
+                        f"the derivative of {one.function.part} of {law.name} to {name} at {where(law, point)}: "
                         f"expected {expected:g}, found {found:g}"
                     )
 
@@ -207,7 +216,7 @@ class SpringLawContract:
                     inside, outside = branch_end(one, start, end)
                     found = one.value(inside, mode)[1], one.value(outside, mode)[1]
                     assert found[0] >= -1e-9 * scale and found[1] <= 1e-9 * scale, (
-                        f"branch {mode} of {law.name} ends at {_where(law, inside)}: expected its distance to vanish there, "
+                        f"branch {mode} of {law.name} ends at {where(law, inside)}: expected its distance to vanish there, "
                         f"found {found[0]:g} within and {found[1]:g} beyond"
                     )
 
@@ -219,6 +228,16 @@ class SpringLawContract:
                 pytest.fail(str(error))
 
 
-def _where(law: type[SpringLaw], point: Point) -> str:
-    memory = f", {law.memory} = {point[3]:g}" if law.memory else ""
-    return f"d = {point[0]:g} m, ddot = {point[1]:g} m/s, d_max = {point[2]:g} m{memory}"
+def _undeclared(law: type[SpringLaw]) -> str:
+    """What keeps a law from being tested at all, in words; empty where nothing does."""
+    name, parameters = getattr(law, "name", ""), getattr(law, "parameters", None)
+    if not (isinstance(name, str) and name):
+        return f'the class {law.__name__}: expected the name that model files write (name = "..."), found none'
+    if not isinstance(parameters, tuple) or not all(isinstance(spec, ParameterSpec) for spec in parameters):
+        found = type(parameters).__name__
+        return f"the parameters of {name}: expected a tuple of ParameterSpec (with a comma behind a single one), found {found}"
+    for part in ("force", "memory_rate") if law.memory else ("force",):
+        found = inspect.getattr_static(law, part, None)
+        if not isinstance(found, staticmethod):
+            return f"{part} of {name}: expected a function under @staticmethod, found {type(found).__name__}"
+    return ""

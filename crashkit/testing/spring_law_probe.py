@@ -46,7 +46,20 @@ class Probe:
         """A function of the law, of a point."""
         values = [value_of(spec, self.parameters if parameters is None else parameters) for spec in self.law.parameters]
         called, count = getattr(self.law, part), len(state_of(self.law))
-        return lambda point: float(called(*point[:count], *values))
+
+        def value(point: Point) -> float:
+            try:
+                found = called(*point[:count], *values)
+            except Exception as error:
+                pytest.fail(self._at(part, point, f"{type(error).__name__}: {error}"), pytrace=False)
+            if found is None:
+                pytest.fail(self._at(part, point, "None: a way through it ends without a return"), pytrace=False)
+            return float(found)
+
+        return value
+
+    def _at(self, part: str, point: Point, found: str) -> str:
+        return f"{part} of {self.law.name} at {where(self.law, point)}: expected a number, found {found}"
 
     @cached_property
     def force(self) -> Function:
@@ -170,6 +183,12 @@ def value_of(spec: ParameterSpec, parameters: Values) -> float | Sequence[float]
     if value is None:
         pytest.fail(f"the fixture parameters: expected a value for {spec.name}, which has no default")
     return value
+
+
+def where(law: type[SpringLaw], point: Point) -> str:
+    """A state in words."""
+    memory = f", {law.memory} = {point[3]:g}" if law.memory else ""
+    return f"d = {point[0]:g} m, ddot = {point[1]:g} m/s, d_max = {point[2]:g} m{memory}"
 
 
 def between(start: Point, end: Point, share: float) -> Point:

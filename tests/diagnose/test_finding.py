@@ -5,8 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
+from attrs import evolve
 
-from crashkit.diagnose.finding import estimates, experiment, make_finding
+from crashkit.diagnose.finding import estimates, experiment, is_there, make_finding, stand_ins
 from crashkit.diagnose.rounds import run_drops
 from crashkit.protocols import Identification, Proposal, Status
 
@@ -51,7 +52,7 @@ def test_runs_are_named_in_which_it_shows(workshop):
 def test_an_instrument_acts_all_the_time(workshop):
     finding = found(workshop, {}, {"a": 50.0})
     assert finding.time == (0.0, 0.2)
-    assert finding.sentence == "joint front is damped: part of its force is proportional to the deformation rate"
+    assert finding.sentence == "joint front is damped: part of its force opposes the deformation rate and grows with it"
 
 
 def test_a_rival_that_differs_at_higher_speed_is_told_apart_there(misfit, model, recorded):
@@ -95,3 +96,24 @@ def test_estimates_bear_the_short_names_of_the_parameters():
         "peak_force": (2.0, 0.2, "N"),
         "peak_deformation": (3.0, 0.3, "m"),
     }
+
+
+def test_imitations_at_one_place_are_told_as_one_unknown_force(workshop):
+    force = np.zeros(100)
+    force[10:30] = 1e4
+    first = found(workshop, {"a": action(force, np.ones(100))}, {"a": 50.0, "b": 2.0})
+    second = evolve(first, physics="fracture", time=(0.05, 0.09), runs=("b",), probability=1.0)
+    told = stand_ins([first, second], workshop.hypotheses["unknown"].sentence)
+    assert told.physics == "unknown"
+    assert told.form == "imitated by viscous_damping + fracture"
+    assert told.location == {"joint": "front"}
+    assert told.time == pytest.approx((0.01, 0.09))
+    assert told.runs == ("a", "b")
+    assert told.sentence == "joint front carries a force that none of the known physics explains"
+
+
+@pytest.mark.parametrize(("value", "there"), [(0.1, False), (-0.29, False), (0.31, True), (-5.0, True)])
+def test_a_size_within_three_deviations_of_nothing_is_nothing(value, there):
+    proposal = Proposal("bias", "constant", {"sensor": "a"}, None, ("bias",), {"bias": 0.0})
+    table = xr.Dataset({"value": ("parameter", [value]), "std": ("parameter", [0.1])}, coords={"parameter": ["bias"]})
+    assert is_there(SimpleNamespace(proposal=proposal), SimpleNamespace(parameters=table)) is there

@@ -98,3 +98,16 @@ def test_overwhelming_evidence_does_not_overflow():
 def test_of_several_forms_the_most_evident_stands_for_the_claim():
     ranked = [claim("rate", 9.0, form="power"), claim("rate", 8.0, form="linear"), claim("rate", 7.0, joint="second")]
     assert best_forms(ranked) == [ranked[0], ranked[2]]
+
+
+def test_the_smallest_bias_that_shows_is_that_of_the_mean_of_all_samples(workshop, model, recorded, misfit):
+    base = misfit(fixed(model), run=recorded(model))
+    count = base.channels[1].samples
+    assert scored(workshop, base, bias_of(workshop, base)).deviation == pytest.approx(count**-0.5, rel=1e-6)
+
+
+def test_what_the_models_own_parameters_imitate_shows_less(workshop, model, recorded, misfit):
+    run = recorded(model)
+    rigid, free = (misfit(one, run=run) for one in (fixed(model), model))
+    alone, hidden = (scored(workshop, base, bias_of(workshop, base)).deviation for base in (rigid, free))
+    assert hidden > 1.005 * alone

@@ -16,10 +16,15 @@ TIMES = np.linspace(0.0, 3.0, 16)
 K, TAU, MASS, SPEED = 1.3, 0.4, 1.2, 1.0
 
 
-def relaxed(t, k, tau, m, v, elastic=0):
-    """Deformation of a Maxwell element, beside an elastic spring, that a mass presses: three linear equations."""
+def relaxing(t, k, tau, m, v, elastic=0):
+    """Deformation, rate and memory of a Maxwell element, beside an elastic spring, that a mass presses: linear equations."""
     system = mp.matrix([[0, 1, 0], [-(k + elastic) / m, 0, k / m], [1 / tau, 0, -1 / tau]])
-    return (mp.expm(system * t) * mp.matrix([0, v, 0]))[0]
+    return mp.expm(system * t) * mp.matrix([0, v, 0])
+
+
+def relaxed(*arguments):
+    """Its deformation."""
+    return relaxing(*arguments)[0]
 
 
 def derivatives(way, t, values):
@@ -48,6 +53,25 @@ def test_the_sensitivities_of_maxwell(simulator, maxwell):
     motion = simulator(maxwell).run(TIMES, sensitivities=PATHS, step=STEP)
     expected = [derivatives(relaxed, t, [K, TAU, MASS, SPEED]) for t in TIMES]
     np.testing.assert_allclose(motion["deformation_sensitivity"].values[:, 0], expected, atol=1e-8)
+
+
+def test_maxwell_that_only_pushes_lets_go(simulator, against_wall):
+    """With a slow dashpot its force swings back to zero before the deformation does; from then on the mass flies."""
+    values, times = [K, 2.0, MASS, SPEED], np.linspace(0.0, 5.0, 11)
+    model = against_wall("maxwell", {"relaxing_stiffness": K, "relaxation_time": 2.0}, mass=MASS, speed=SPEED)
+    motion = simulator(model).run(times, sensitivities=PATHS, step=STEP)
+
+    def way(t, k, tau, m, v):
+        gone = mp.pi / mp.sqrt(k / m - 1 / (4 * tau**2))
+        x, rate, _ = relaxing(min(t, gone), k, tau, m, v)
+        return x + max(0, t - gone) * rate
+
+    expected = [float(way(mp.mpf(t), *map(mp.mpf, values))) for t in times]
+    np.testing.assert_allclose(motion["deformation"].values[:, 0], expected, atol=1e-10)
+    apart = motion.sel(time=3.5)
+    assert apart["force"].item() == 0.0 < apart["deformation"].item()
+    slopes = [derivatives(way, t, values) for t in times]
+    np.testing.assert_allclose(motion["deformation_sensitivity"].values[:, 0], slopes, atol=1e-8)
 
 
 def test_a_gap_delays_the_relaxation(simulator, against_wall):

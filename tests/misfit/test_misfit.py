@@ -228,3 +228,22 @@ def test_an_uninformative_model_parameter_has_no_derivative(misfit, model, recor
     unseen = early.names.index("joint.first.densification_stiffness")
     assert np.all(jacobian[:, unseen] == 0.0)
     assert np.abs(jacobian[:, early.names.index("joint.first.clearance")]).max() > 0.0
+
+
+def test_what_is_known_beforehand_pulls_by_the_logarithm(misfit, model, recorded):
+    own = misfit(model, run=recorded(model)).with_prior(0.2)
+    path = "joint.first.crush_force"
+    point = own.start()
+    assert own.departure(point) == 0.0
+    point[own.names.index(path)] += np.log(1.5)
+    assert own.departure(point) == pytest.approx((np.log(1.5) / 0.2) ** 2)
+    plain = misfit(model, run=recorded(model))
+    gained = own.deviance(own.residual(point)) - plain.deviance(plain.residual(point))
+    assert gained == pytest.approx(own.departure(point))
+    assert_jacobian(own.with_values({path: 1.3 * model.parameters()[path].value}), 1e-6, 2e-5)
+    assert own.with_values({path: 1.3}).prior == own.prior
+
+
+def test_a_test_at_another_speed_knows_nothing_beforehand(misfit, model, recorded):
+    own = misfit(model, run=recorded(model)).with_prior(0.2).at_speed(1.2)
+    assert len(own.residual(own.start())) == sum(channel.samples for channel in own.channels)

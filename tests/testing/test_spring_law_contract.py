@@ -160,6 +160,34 @@ def test_a_parameter_without_a_value_is_named():
         run("test_the_value_is_finite", Linear, {})
 
 
+DECLARED = "test_the_class_declares_a_name_parameters_and_functions"
+UNDECLARED = [
+    (spoilt(name=""), "the class Spoilt: expected the name that model files write .*, found none"),
+    (spoilt(parameters=STIFFNESS), r"the parameters of linear: expected a tuple .* \(with a comma .*\), found ParameterSpec"),
+    (spoilt(force=lambda self, d, ddot, d_max, stiffness: d), "force of linear: expected .* @staticmethod, found function"),
+]
+
+
+@pytest.mark.parametrize(("law", "message"), UNDECLARED, ids=["name", "parameters", "staticmethod"])
+def test_what_is_not_declared_is_told_before_anything_else(law, message):
+    with pytest.raises(AssertionError, match=message):
+        run(DECLARED, law)
+    with pytest.raises(pytest.fail.Exception, match=message):
+        SpringLawContract.probe.__wrapped__(SpringLawContract(), law, PARAMETERS)
+
+
+BROKEN = [
+    (lambda d, ddot, d_max: math.sqrt(d), "force of linear at d = -.*: expected a number, found ValueError: .*"),
+    (lambda d, ddot, d_max: 1e5 if d > 0.0 else None, "expected a number, found None: a way through it ends without a return"),
+]
+
+
+@pytest.mark.parametrize(("function", "message"), BROKEN, ids=["raises", "no return"])
+def test_what_a_law_does_instead_of_a_number_is_told_with_the_state(function, message):
+    with pytest.raises(pytest.fail.Exception, match=message):
+        run("test_the_value_is_finite", law_of(function))
+
+
 def test_an_instance_in_place_of_the_class_is_found():
     with pytest.raises(AssertionError, match="the fixture law: expected the class, found the instance"):
         run("test_the_functions_take_the_state_and_the_declared_parameters", Linear())

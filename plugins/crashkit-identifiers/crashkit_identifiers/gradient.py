@@ -6,12 +6,11 @@ from typing import ClassVar
 import numpy as np
 from attrs import evolve, field, frozen
 
-from crashkit.misfit import Misfit
 from crashkit.protocols import Identification, Identifier, Problem, Status
 from crashkit_identifiers.cost import cost_and_gradient, cost_at, is_least, stopped
-from crashkit_identifiers.recorded import row_times, with_recordings
+from crashkit_identifiers.part import up_to
+from crashkit_identifiers.recorded import with_recordings
 from crashkit_identifiers.result import Path, conclude
-from crashkit_identifiers.wrapped import SameVariables
 
 FIRST_LENGTH = 0.01
 """Of the first step along the gradient: every parameter that is searched in its logarithm moves by 1 % at most."""
@@ -52,7 +51,7 @@ class Gradient(Identifier[GradientState]):
         """The state at the problem's own start."""
         misfit = with_recordings(problem, self.name)
         point = np.clip(misfit.start(), *misfit.bounds())
-        cost = cost_at(_Slice(misfit, 1.0 / self.slices), point)
+        cost = cost_at(up_to(1.0 / self.slices, misfit), point)
         path = ((cost, misfit.parameters(point)),)
         return GradientState(point, cost, Status.RUNNING if np.isfinite(cost) else Status.FAILED, path=path)
 
@@ -60,7 +59,7 @@ class Gradient(Identifier[GradientState]):
         """One line search along the gradient; the next slice where there is nothing left to gain."""
         if state.status is not Status.RUNNING:
             return state
-        part = _Slice(with_recordings(problem, self.name), state.slice / self.slices)
+        part = up_to(state.slice / self.slices, with_recordings(problem, self.name))
         moved = _line_search(part, state)
         if moved is None:
             return self._next_slice(problem, state, _verdict(problem, state))
@@ -79,29 +78,13 @@ class Gradient(Identifier[GradientState]):
         """The next slice at the same point, or the verdict on the last."""
         if state.slice == self.slices:
             return evolve(state, status=verdict)
-        wider = _Slice(with_recordings(problem, self.name), (state.slice + 1) / self.slices)
+        wider = up_to((state.slice + 1) / self.slices, with_recordings(problem, self.name))
         return evolve(state, slice=state.slice + 1, cost=cost_at(wider, state.point), steps_in_slice=0, length=FIRST_LENGTH)
 
 
 def _verdict(problem: Problem, state: GradientState) -> Status:
     """A gradient search that stops gaining has seldom arrived."""
     return Status.CONVERGED if is_least(problem, state.point) else Status.STALLED
-
-
-class _Slice(SameVariables):
-    """The misfit up to a share of the time recorded in each run."""
-
-    def __init__(self, misfit: Misfit, share: float) -> None:
-        super().__init__(misfit)
-        times = row_times(misfit)
-        self.rows = times <= share * times.max(initial=0.0) + 1e-12
-
-    def residual(self, scaled: np.ndarray) -> np.ndarray:
-        return self.problem.residual(scaled)[self.rows]
-
-    def residual_and_jacobian(self, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        residual, jacobian = self.problem.residual_and_jacobian(scaled)
-        return residual[self.rows], jacobian[self.rows]
 
 
 def _line_search(problem: Problem, state: GradientState) -> GradientState | None:

@@ -7,6 +7,7 @@ from crashkit.registry import hookimpl
 from crashkit_identifiers.chebyshev import Chebyshev
 from crashkit_identifiers.gradient import Gradient
 from crashkit_identifiers.integral_filter import IntegralFilter
+from crashkit_identifiers.multi_start import MultiStart
 from crashkit_identifiers.optimal_control import OptimalControl
 from crashkit_identifiers.optimal_filter import OptimalFilter
 from crashkit_identifiers.sensitivity import Sensitivity
@@ -18,6 +19,7 @@ from crashkit_identifiers.substructuring import Substructuring
 def crashkit_identifiers() -> list[type[Identifier[Any]]]:
     """The identifiers of this distribution."""
     return [
+        MultiStart,
         Sensitivity,
         OptimalControl,
         Gradient,

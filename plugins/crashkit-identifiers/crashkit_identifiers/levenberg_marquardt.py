@@ -9,8 +9,6 @@ from crashkit.protocols import Problem, Status
 FIRST_DAMPING = 1e-3
 LARGEST_DAMPING = 1e12
 ATTEMPTS = 12
-LONGEST_STEP = 1.0
-"""Of a parameter that is searched in its logarithm: no step changes it by more than a factor e."""
 EXACT = 1e-22
 """Share of the first cost that rounding leaves where a model fits exactly."""
 
@@ -36,17 +34,19 @@ class Limits:
         tolerance: relative drop in cost that a full step still has to promise.
         least_drop: drop in cost that it still has to promise.
         steps: after which the search ends unconverged.
+        reach: of one step in a parameter that is searched in its logarithm: 1 is a factor e.
     """
 
     tolerance: float = 1e-10
     least_drop: float = 0.0
     steps: int = 100
+    reach: float = 1.0
 
 
-def begin(problem: Problem) -> Search:
-    """The search at the problem's own start, brought within the bounds."""
-    lower, upper = problem.bounds()
-    return _search_at(problem, np.clip(problem.start(), lower, upper), FIRST_DAMPING, ())
+def begin(problem: Problem, point: np.ndarray | None = None) -> Search:
+    """The search at a point, else at the problem's own start, brought within the bounds."""
+    first = problem.start() if point is None else point
+    return _search_at(problem, np.clip(first, *problem.bounds()), FIRST_DAMPING, ())
 
 
 def advance(problem: Problem, search: Search, limits: Limits) -> Search:
@@ -59,7 +59,7 @@ def advance(problem: Problem, search: Search, limits: Limits) -> Search:
     if len(search.path) > limits.steps:
         return evolve(search, status=Status.STEP_LIMIT)
     for _ in range(ATTEMPTS):
-        move = _move(problem, search)
+        move = _move(problem, search, limits.reach)
         promised = -(search.gradient @ move + 0.5 * move @ search.curvature @ move)
         if promised <= max(limits.tolerance * search.cost, limits.least_drop, EXACT * search.path[0][0]):
             return evolve(search, status=_verdict(search))
@@ -96,9 +96,9 @@ def _search_at(problem: Problem, point: np.ndarray, damping: float, path: tuple[
     return Search(point, cost, gradient, curvature, damping, Status.RUNNING, path)
 
 
-def _move(problem: Problem, search: Search) -> np.ndarray:
+def _move(problem: Problem, search: Search, reach: float) -> np.ndarray:
     """The damped Gauss-Newton step within the bounds: what they stop is held there, until the others' moves draw it back."""
-    lower, upper = _reach(problem, search)
+    lower, upper = _within(problem, search, reach)
     scale = np.diag(search.curvature).copy()
     scale[scale <= 0] = max(float(scale.max(initial=0.0)), 1.0) * 1e-12
     damped = search.curvature + search.damping * np.diag(scale)
@@ -117,12 +117,12 @@ def _move(problem: Problem, search: Search) -> np.ndarray:
     return move
 
 
-def _reach(problem: Problem, search: Search) -> tuple[np.ndarray, np.ndarray]:
+def _within(problem: Problem, search: Search, reach: float) -> tuple[np.ndarray, np.ndarray]:
     """The bounds of one step: those of the problem, and not too far in a logarithm."""
     lower, upper = problem.bounds()
     logarithmic = problem.scaling(search.point) != 1.0
-    lower = np.where(logarithmic, np.maximum(lower, search.point - LONGEST_STEP), lower)
-    return lower, np.where(logarithmic, np.minimum(upper, search.point + LONGEST_STEP), upper)
+    lower = np.where(logarithmic, np.maximum(lower, search.point - reach), lower)
+    return lower, np.where(logarithmic, np.minimum(upper, search.point + reach), upper)
 
 
 def _solve(search: Search, scale: np.ndarray, free: np.ndarray, move: np.ndarray) -> np.ndarray:

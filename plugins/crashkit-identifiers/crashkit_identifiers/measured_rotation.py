@@ -16,7 +16,7 @@ Sightings = Sequence[tuple[np.ndarray, np.ndarray]]
 def rotation_curves(sightings: Sightings, times: np.ndarray, body: Body, axes: tuple[str, ...]) -> dict[str, np.ndarray]:
     """Orientation, angular velocity and angular acceleration, with the standard deviation of the last; NaN where unseen.
 
-    With R = exp([φ]) R_0, a spline for each component of φ, and eq 28 of Mizzi & Jezequel 1992 solved for the angular velocity:
+    With R = exp([φ]) R_0, a spline for each component of φ, and eq 28 of Mizzi & Jezequel 1992 solved for the rate:
 
     ω = φ' + (1 - cos φ)/φ² φ × φ' + (φ - sin φ)/φ³ φ × (φ × φ').
     """

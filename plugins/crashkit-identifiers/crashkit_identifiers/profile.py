@@ -94,7 +94,8 @@ def _end(problem: Problem, found: Found, index: int, linear: float, bound: float
             return trial
         inside, outside = (inside, trial) if rise > found.rise else (trial, outside)
         trial = _next(start, inside, outside, bound)
-    return trial if outside is None else outside
+    # A misfit that never rose, ever further out, sets no end.
+    return bound if outside is None else outside
 
 
 def _agrees(problem: Problem, found: Found, index: int, end: float) -> bool:

@@ -15,7 +15,6 @@ from crashkit_identifiers.recorded import with_recordings
 from crashkit_identifiers.result import Path, conclude
 from crashkit_identifiers.wrapped import SameVariables
 
-
 FACTORS = (1.0, 0.5, 0.25, 0.125, 2.0)
 """Of the values of parameters that are searched in their logarithm."""
 
@@ -52,9 +51,10 @@ class RegressionState:
 class StateFormRegression(Identifier[RegressionState]):
     """Least squares of x'' = f(X) U + g(X) on the measured state X (Mizzi & Jezequel 1992, eq 33).
 
-    Linear while no threshold is crossed at another instant than before, so it is solved again as the intervals move. A threshold
-    beyond all that was measured is felt by nothing, so it begins at the best of several multiples of the start. It starts other
-    methods well. Every body that a joint holds must be seen by an instrument, and no law may have a memory of its own.
+    Linear while no threshold is crossed at another instant than before, so it is solved again as the intervals move. A
+    threshold beyond all that was measured is felt by nothing, so it begins at the best of several multiples of the start. It
+    starts other methods well. Every body that a joint holds must be seen by an instrument, and no law may have a memory of
+    its own.
 
     Arguments:
         step_limit: steps after which the search ends unconverged.

@@ -16,6 +16,8 @@ from crashkit_identifiers.recorded import with_recordings
 from crashkit_identifiers.result import Path, conclude
 from crashkit_identifiers.substructure import Substructure
 
+FURTHEST = 10.0
+"""That the joined parts move the logarithm of a parameter."""
 UNKNOWN = 1e-9
 """Share of the largest curvature below which a combination of parameters stays at its start."""
 
@@ -107,7 +109,7 @@ def _substructure(misfit: Misfit, measured: Mapping[str, xr.Dataset], number: in
 
 
 def _joined(misfit: Misfit, start: np.ndarray, parts: tuple[Part, ...]) -> np.ndarray:
-    """The point that all parts agree on best; what none of them sees stays."""
+    """The point that all parts agree on best, within what numbers can hold; what none of them sees stays."""
     curvature, pull = np.zeros((len(start), len(start))), np.zeros(len(start))
     for part in parts:
         places = np.array(part.places, dtype=int)
@@ -116,4 +118,6 @@ def _joined(misfit: Misfit, start: np.ndarray, parts: tuple[Part, ...]) -> np.nd
     size = np.sqrt(np.maximum(np.diag(curvature), 1e-300))
     eigenvalues, vectors = np.linalg.eigh(curvature / np.outer(size, size))
     seen = eigenvalues > UNKNOWN * eigenvalues.max(initial=0.0)
-    return start + vectors[:, seen] @ (vectors[:, seen].T @ (pull / size) / eigenvalues[seen]) / size
+    room = np.where(misfit.scaling(start) != 1.0, FURTHEST, np.inf)
+    agreed = start + vectors[:, seen] @ (vectors[:, seen].T @ (pull / size) / eigenvalues[seen]) / size
+    return np.asarray(np.clip(agreed, start - room, start + room))

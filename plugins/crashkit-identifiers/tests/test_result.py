@@ -108,6 +108,14 @@ def threshold(point):
     return np.array([10.0 * below, point[1]]), np.array([[10.0 * (below < 0.0), 0.0], [0.0, 1.0]])
 
 
+def test_a_threshold_is_known_from_one_side():
+    found = concluded(threshold, [1.5, 0.0])
+    assert row(found)["interval_lower"] == pytest.approx(1.0 - HALF / 10.0, abs=0.02)
+    assert row(found)["interval_upper"] == np.inf
+    assert not row(found)["identifiable"]
+    assert "a is at least 0." in found.unseen[-1] and found.unseen[-1].endswith("how much more these recordings do not see")
+
+
 def test_a_crooked_misfit_is_profiled():
     """r = exp(a): the curvature at a = 0 reaches equally far to both sides, the misfit does not."""
 

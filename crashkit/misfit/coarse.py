@@ -1,0 +1,39 @@
+"""Fewer instants of an instrument: what a search needs until it is near its end."""
+
+import numpy as np
+from attrs import evolve
+
+from crashkit.misfit.channel import Channel, Group
+from crashkit.misfit.predictor import STEP
+from crashkit.misfit.thin import FILTER_MARGIN
+
+INSTANTS = 100
+"""That a channel keeps, if it has as many."""
+COARSE_STEP = 4.0 * STEP
+"""s, longest step of the integration; a few instants do not deserve more."""
+
+
+def coarse_group(group: Group) -> Group:
+    """Every so many samples of a group; as many as its filter needs."""
+    factor = _factor(group)
+    if factor == 1:
+        return group
+    kept = slice(None, None, factor)
+    recorded = group.recorded[kept]
+    channels = tuple(_thinned(channel, recorded[:, i], factor) for i, channel in enumerate(group.channels))
+    dataset = group.dataset.isel(time=kept)
+    return evolve(group, dataset=dataset, times=group.times[kept], recorded=recorded, channels=channels)
+
+
+def _factor(group: Group) -> int:
+    if len(group.times) < 2 * INSTANTS:
+        return 1
+    interval = float(np.median(np.diff(group.times)))
+    filter_class = int(group.dataset.attrs.get("channel_frequency_class", 0))
+    most = int(1.0 / (FILTER_MARGIN * filter_class * interval) + 1e-6) if filter_class else len(group.times)
+    return max(1, min(len(group.times) // INSTANTS, most))
+
+
+def _thinned(channel: Channel, samples: np.ndarray, factor: int) -> Channel:
+    noise = evolve(channel.noise, correlation=max(1.0, channel.noise.correlation / factor))
+    return evolve(channel, noise=noise, samples=int(np.isfinite(samples).sum()))

@@ -1,0 +1,70 @@
+"""Fewer instants for first guesses: what they keep, and that they say nearly the same."""
+
+import numpy as np
+import pytest
+
+from crashkit.misfit import Misfit
+from crashkit.misfit.coarse import INSTANTS
+from crashkit.registry import load
+from crashkit.testing import toys
+
+
+@pytest.fixture(scope="module")
+def problem() -> Misfit:
+    registry, truth = load(), toys.one_degree()
+    return toys.problem(truth, toys.start_from(truth, 0.8), registry.spring_laws, registry.observers, exact=True)
+
+
+def test_every_so_many_samples_of_each_channel_are_kept(problem):
+    coarse = problem.coarse
+    for few, group in zip(coarse.groups, problem.groups, strict=True):
+        assert INSTANTS <= len(few.times) < 2 * INSTANTS
+        assert set(few.times) <= set(group.times)
+        assert few.recorded == pytest.approx(group.recorded[np.isin(group.times, few.times)])
+    assert coarse.names == problem.names
+    assert coarse.start() == pytest.approx(problem.start())
+    assert coarse.independent_samples < problem.independent_samples / 3.0
+
+
+def test_it_is_made_once(problem):
+    assert problem.coarse is problem.coarse
+
+
+def test_it_says_nearly_the_same(problem):
+    truth = problem.scaled(np.array([p.value for p in toys.one_degree().free_parameters().values()]))
+    assert np.abs(problem.coarse.residual(truth)).max() < 1e-2  # of a standard deviation: long steps
+    few, many = (np.mean(np.square(m.residual(m.start()))) for m in (problem.coarse, problem))
+    assert few == pytest.approx(many, rel=0.1)
+
+
+def filtered(tree, frequency_class):
+    changed = tree.copy()
+    changed["accelerometer"].attrs["channel_frequency_class"] = frequency_class
+    return changed
+
+
+@pytest.mark.parametrize(("frequency_class", "instants"), [(0, 101), (60, 401), (180, 401)])
+def test_a_filtered_channel_keeps_what_its_filter_needs(problem, frequency_class, instants):
+    runs = {run: filtered(tree, frequency_class) for run, tree in problem.recordings.items()}
+    registry = load()
+    coarse = Misfit(problem.model, runs, registry.spring_laws, registry.observers).coarse
+    assert {group.name: len(group.times) for group in coarse.groups} == {"film": 101, "accelerometer": instants}
+
+
+def test_few_samples_are_left_alone(problem):
+    runs = {run: tree.isel(time=slice(None, None, 4)) for run, tree in problem.recordings.items()}
+    registry = load()
+    few = Misfit(problem.model, runs, registry.spring_laws, registry.observers)
+    assert [len(group.times) for group in few.coarse.groups] == [len(group.times) for group in few.groups]
+
+
+def test_missing_readings_are_no_residuals(problem):
+    def hidden(tree):
+        changed = tree.copy()
+        changed["film"]["position"][::8] = np.nan
+        return changed
+
+    registry = load()
+    runs = {run: hidden(tree) for run, tree in problem.recordings.items()}
+    coarse = Misfit(problem.model, runs, registry.spring_laws, registry.observers).coarse
+    assert len(coarse.residual(coarse.start())) == sum(channel.samples for channel in coarse.channels) == 50 + 101
