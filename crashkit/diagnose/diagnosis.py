@@ -12,12 +12,12 @@ from crashkit.diagnose.name import FLOOR, Progress
 from crashkit.diagnose.reidentify import refine, reidentify
 from crashkit.diagnose.result import UNKNOWN, Alternative, Diagnosis, Finding, Fit, place_of
 from crashkit.diagnose.rounds import Discovery, Round, discover, run_drops
-from crashkit.diagnose.search import Search
 from crashkit.diagnose.show import action_of, identified_table, limits_table, missing_force_tree, ranking_table, units_of
 from crashkit.diagnose.words import noted, summarise
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Group, Misfit
 from crashkit.model import Model
+from crashkit.protocols import Identification
 
 UNEXPLAINED = 1.15
 """Normalised residual above which a model that explains nothing more is not called consistent."""
@@ -47,21 +47,23 @@ def diagnose(
     equipped = workshop.rehearsed(model, recordings.values())
     given = equipped.first_misfit(model, equipped.thinned(recordings)).with_prior(ROUGHLY)
     discovery = discover(equipped, given, reidentify(equipped.identifier, given), progress)
-    progress("refining on every sample", 0.0)
+    progress("refining", 0.0)
     return _told(equipped, _refined(equipped, discovery, recordings), holdout)
 
 
 def _refined(workshop: Workshop, discovery: Discovery, recordings: Mapping[str, xr.DataTree]) -> Discovery:
-    """The base and the final model fitted to every sample; the search made do with thinner recordings."""
+    """The base and the final model fitted without what was believed beforehand, and seen on every sample."""
     workshop = workshop.equipped([discovery.base.model, discovery.final.model])
-    base, final = (_on_every_sample(workshop, m, recordings) for m in (discovery.base, discovery.final))
-    return evolve(discovery, base=base.fitted(), final=final.fitted(), search=final)
+    thinner = workshop.thinned(recordings)
+    searches = [refine(workshop.identifier, _plain(workshop, m, m.model, thinner)) for m in (discovery.base, discovery.final)]
+    base, final = (_plain(workshop, search.misfit, search.fitted().model, recordings) for search in searches)
+    return evolve(discovery, base=base, final=final, search=searches[1])
 
 
-def _on_every_sample(workshop: Workshop, misfit: Misfit, recordings: Mapping[str, xr.DataTree]) -> Search:
+def _plain(workshop: Workshop, misfit: Misfit, model: Model, recordings: Mapping[str, xr.DataTree]) -> Misfit:
+    """The misfit of a model to some recordings, weighed as `misfit` is, without a prior."""
     levels = {(c.instrument, c.sensor, c.axis): c.noise.std for c in misfit.channels if not c.noise.trusted}
-    full = workshop.first_misfit(misfit.model, recordings)
-    return refine(workshop.identifier, full.with_levels(levels))
+    return workshop.first_misfit(model, recordings).with_levels(levels)
 
 
 def _told(workshop: Workshop, discovery: Discovery, holdout: Mapping[str, xr.DataTree]) -> Diagnosis:
@@ -69,10 +71,11 @@ def _told(workshop: Workshop, discovery: Discovery, holdout: Mapping[str, xr.Dat
     equipped = workshop.equipped([base.model, final.model])
     unseen = tuple(_weighed_alike(equipped.first_misfit(m.model, holdout), base) for m in (base, final)) if holdout else ()
     fits, curves = _compared(base, final, unseen)
-    findings, missing = _findings(equipped, discovery, unseen)
+    result = discovery.search.result()
+    findings, missing = _findings(equipped, discovery, result, unseen)
     verdict = _verdict(findings, fits["calibration"]["after"], final)
     consistency = check_instruments(_by_run(base))
-    identified = identified_table(discovery, units_of(final.model, workshop))
+    identified = identified_table(discovery, result, units_of(final.model, workshop))
     detectable = limits_table(workshop, discovery)
     return Diagnosis(
         verdict=verdict,
@@ -86,7 +89,7 @@ def _told(workshop: Workshop, discovery: Discovery, holdout: Mapping[str, xr.Dat
         ranking=ranking_table(discovery),
         consistency=consistency,
         identified=identified,
-        notes=noted(discovery, fits),
+        notes=noted(discovery, result, fits),
         detectable=detectable,
     )
 
@@ -102,8 +105,9 @@ def _compared(base: Misfit, final: Misfit, unseen: tuple[Misfit, ...]) -> tuple[
     return fits, xr.DataTree.from_dict(curves)
 
 
-def _findings(workshop: Workshop, discovery: Discovery, unseen: tuple[Misfit, ...]) -> tuple[tuple[Finding, ...], xr.DataTree]:
-    identified = discovery.search.result()
+def _findings(
+    workshop: Workshop, discovery: Discovery, identified: Identification, unseen: tuple[Misfit, ...]
+) -> tuple[tuple[Finding, ...], xr.DataTree]:
     units = units_of(discovery.final.model, workshop)
     told: list[tuple[Finding, dict[str, xr.Dataset]]] = []
     for look in [look for look in discovery.rounds if is_there(look.rivals[0], identified)]:

@@ -13,7 +13,7 @@ from crashkit.diagnose.workshop import Workshop
 from crashkit.mechanics.along import forces_along
 from crashkit.misfit import Misfit
 from crashkit.model import Model
-from crashkit.protocols import ParameterSpec, Proposal
+from crashkit.protocols import Identification, ParameterSpec, Proposal
 
 
 def ranking_table(discovery: Discovery) -> xr.Dataset:
@@ -45,9 +45,9 @@ def _limit_row(workshop: Workshop, proposal: Proposal, smallest: float) -> tuple
     return proposal.physics, proposal.form, place_of(proposal.location), path.rsplit(".", 1)[-1], smallest, unit
 
 
-def identified_table(discovery: Discovery, units: Mapping[str, str]) -> xr.Dataset:
+def identified_table(discovery: Discovery, result: Identification, units: Mapping[str, str]) -> xr.Dataset:
     """The parameters of the final model, beside those of the re-identified one."""
-    table = discovery.search.result().parameters
+    table = result.parameters
     names = [str(name) for name in table["parameter"].values]
     before = {name: p.value for name, p in discovery.base.model.free_parameters().items()}
     return table[["value", "std", "identifiable"]].assign(

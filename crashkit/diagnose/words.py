@@ -7,6 +7,7 @@ import xarray as xr
 
 from crashkit.diagnose.result import Estimate, Finding, Fit, place_of
 from crashkit.diagnose.rounds import Discovery
+from crashkit.protocols import Identification
 
 VERDICTS = {
     "consistent": "Simulation and recordings agree: nothing is missing that these recordings could show.",
@@ -44,9 +45,8 @@ def summarise(
     return "\n".join(lines)
 
 
-def noted(discovery: Discovery, fits: Mapping[str, Mapping[str, Fit]]) -> tuple[str, ...]:
+def noted(discovery: Discovery, result: Identification, fits: Mapping[str, Mapping[str, Fit]]) -> tuple[str, ...]:
     """What cannot be trusted."""
-    result = discovery.search.result()
     notes = [f"identification {result.status.value}"] if result.status.name != "CONVERGED" else []
     notes += list(result.unseen)
     unseen = fits["holdout"]

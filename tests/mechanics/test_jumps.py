@@ -238,10 +238,11 @@ def plane(simulator):
 
 def test_a_break_in_the_plane(plane):
     motion = plane.run(TIMES, sensitivities=list(PLANE), step=STEP)
-    reference = np.array([[in_the_plane(t, path) for path in PLANE] for t in TIMES[10:]])
-    found = motion["position_sensitivity"].sel(body="mass", axis=["x", "y"]).values[10:].transpose(0, 2, 1)
+    late = slice(10, None, 9)
+    reference = np.array([[in_the_plane(t, path) for path in PLANE] for t in TIMES[late]])
+    found = motion["position_sensitivity"].sel(body="mass", axis=["x", "y"]).values[late].transpose(0, 2, 1)
     np.testing.assert_allclose(found, reference[:, :, :2], atol=1e-8)
-    turned = motion["rotation_sensitivity"].sel(body="mass", axis="z").values[10:]
+    turned = motion["rotation_sensitivity"].sel(body="mass", axis="z").values[late]
     np.testing.assert_allclose(turned, reference[:, :, 2], atol=1e-8)
 
 

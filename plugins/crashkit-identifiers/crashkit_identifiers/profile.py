@@ -13,7 +13,9 @@ CONFIDENCE = 1.959963984540054
 TRUSTED = 0.3
 """How far the rise of the misfit at the end of a linear interval may be from what is expected, as a share of it."""
 CLOSE = 0.1
-TRIALS = 10
+TRIALS = 8
+STRIDE = (0.3, 3.0)
+"""How much nearer or further the next trial may be."""
 FAR, LOOSE = 25.0, 25.0
 """χ² between a point and the least misfit, and excess of χ², beyond which a profile says no more than the curvature."""
 REFIT = Limits(tolerance=1e-4, steps=12)
@@ -93,7 +95,8 @@ def _end(problem: Problem, found: Found, index: int, linear: float, bound: float
         if abs(rise - found.rise) < CLOSE * found.rise or (rise < found.rise and trial == bound):
             return trial
         inside, outside = (inside, trial) if rise > found.rise else (trial, outside)
-        trial = _next(start, inside, outside, bound)
+        further = start + (trial - start) * float(np.clip(np.sqrt(found.rise / max(rise, 1e-300)), *STRIDE))
+        trial = _next(further, inside, outside, bound)
     # A misfit that never rose, ever further out, sets no end.
     return bound if outside is None else outside
 
@@ -104,12 +107,11 @@ def _agrees(problem: Problem, found: Found, index: int, end: float) -> bool:
     return abs(risen - found.expected(index, end)) < TRUSTED * found.rise
 
 
-def _next(start: float, inside: float, outside: float | None, bound: float) -> float:
-    """Between, or twice as far while the misfit has not risen enough."""
+def _next(further: float, inside: float, outside: float | None, bound: float) -> float:
+    """Where a parabola through the least misfit would have its end, kept between what is known."""
     if outside is not None:
-        return 0.5 * (inside + outside)
-    further = start + 2.0 * (inside - start)
-    return further if abs(further - start) < abs(bound - start) else bound
+        return further if min(inside, outside) < further < max(inside, outside) else 0.5 * (inside + outside)
+    return further if abs(further - inside) < abs(bound - inside) else bound
 
 
 def _profiled(problem: Problem, found: Found, index: int, value: float) -> float:

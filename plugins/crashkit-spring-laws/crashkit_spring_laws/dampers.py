@@ -25,13 +25,13 @@ class Viscous(SpringLaw):
 class ViscousPower(SpringLaw):
     """A damper of any exponent: F = c ddot (ddot^2 + v^2)^((n - 1) / 2) max(tension, min(1, max(0, d) / engagement)).
 
-    n = 1 is a dashpot, n = 2 an orifice, n below 1 a relief valve or a seal; v = 0.01 m/s keeps the slope finite at rest. With
-    `tension` 1 it is fixed at both ends and acts also where the joint is not compressed.
+    Rates are in m/s. n = 1 is a dashpot, n = 2 an orifice, n below 1 a relief valve or a seal; v = 0.01 m/s keeps the slope
+    finite at rest. With `tension` 1 it is fixed at both ends and acts also where the joint is not compressed.
     """
 
     name = "viscous_power"
     parameters = (
-        ParameterSpec("damping", "N (s/m)^n", "force at a rate of 1 m/s (c)", lower=0.0, null=0.0),
+        ParameterSpec("damping", "N s m-1", "force for a unit of rate at 1 m/s (c)", lower=0.0, null=0.0),
         ParameterSpec("exponent", "1", "of the rate (n)", lower=0.1, upper=3.0),
         TENSION,
         ENGAGEMENT,

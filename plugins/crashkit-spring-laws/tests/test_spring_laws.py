@@ -33,6 +33,7 @@ from crashkit_spring_laws import (
     TensionSpring,
     Tie,
     Viscous,
+    ViscousPower,
 )
 
 PLATEAU = {
@@ -69,6 +70,8 @@ EXAMPLES = [
     (MeasuredCurve, MEASURED | {"unloading_stiffness": 2e6, "clearance": 0.1}),
     (BoucWen, {"stiffness": 1e6, "yield_force": 5e4}),
     (BoucWen, {"stiffness": 1e6, "yield_force": 5e4, "hardening": 0.1, "sharpness": 1.0}),
+    (ViscousPower, {"damping": 1e4, "exponent": 0.6}),
+    (ViscousPower, {"damping": 1e4, "exponent": 2.0, "tension": 1.0}),
     (Maxwell, {"relaxing_stiffness": 1e6, "relaxation_time": 0.02}),
     (Maxwell, {"relaxing_stiffness": 1e6, "relaxation_time": 0.005, "clearance": 0.05, "tension": 1.0}),
     (Fracture, {"fracture_deformation": 0.3, "loss": 0.7}),
