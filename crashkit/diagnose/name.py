@@ -122,9 +122,15 @@ def fit_rivals(
 
 
 def _limits(scores: Iterable[tuple[Proposal, Score]]) -> list[Limit]:
-    """Of every claim in its first form, at the place in it where the recordings see best."""
+    """Of every claim in its first form, at the start from which the recordings see best.
+
+    Only of what was scored from nothing: elsewhere a deviation is not the smallest size that shows.
+    """
     limits: dict[tuple[str, str], Limit] = {}
     for proposal, one in scores:
+        path = proposal.parameters[0]
+        if proposal.physics == UNKNOWN or one.values[path] != proposal.null.get(path):
+            continue
         known = limits.setdefault(identity(proposal), Limit(proposal, np.inf))
         if proposal.form == known.proposal.form:
             limits[identity(proposal)] = Limit(known.proposal, min(known.smallest, SEEN * one.deviation))
