@@ -146,7 +146,7 @@ def test_the_filter_is_six_decibels_down_per_pass_pair_at_its_corner(cfc):
     assert np.abs(passed).max() == pytest.approx(0.5, rel=1e-2)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("number", [1, 2])
 def test_the_engine_agrees_far_below_the_noise(number, tmp_path):
     """With a thousandth of the noise, and the true numbers, the engine's residual is still noise alone."""

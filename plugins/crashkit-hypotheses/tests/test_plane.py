@@ -17,6 +17,8 @@ from crashkit_hypotheses.obstacle_motion import ObstacleMotion
 from crashkit_hypotheses.rotation import Rotation
 from crashkit_hypotheses.sensor_faults import Misalignment
 
+pytestmark = pytest.mark.long
+
 TIMES = np.linspace(0.0, 0.15, 301)
 
 

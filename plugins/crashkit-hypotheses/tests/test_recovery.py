@@ -13,6 +13,8 @@ from crashkit.model import Body, Joint, Parameter
 from crashkit.model.edit import with_factor, with_instrument_error, with_joint
 from crashkit.testing import toys
 
+pytestmark = pytest.mark.long
+
 SPEEDS = {"slow": 0.9, "fast": 1.3}
 TIMES = np.arange(801) * 2.5e-4
 STD = {"film": ("position", 1e-3), "accelerometer": ("acceleration", 1.0)}
