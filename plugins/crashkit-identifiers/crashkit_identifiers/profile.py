@@ -18,7 +18,7 @@ STRIDE = (0.3, 3.0)
 """How much nearer or further the next trial may be."""
 FAR, LOOSE = 25.0, 25.0
 """χ² between a point and the least misfit, and excess of χ², beyond which a profile says no more than the curvature."""
-REFIT = Limits(tolerance=1e-4, steps=12)
+REFIT = Limits(tolerance=1e-3, steps=6)
 
 
 @frozen(eq=False)
