@@ -47,7 +47,12 @@ def load_recordings(paths: Iterable[Path]) -> dict[str, xr.DataTree]:
     return {name: read_recording(path, schemas) for name, path in zip(unique, paths, strict=True)}
 
 
-def workshop(registry: Registry | None = None, method: str = "sensitivity", smoother: str = "gcv_quintic") -> Workshop:
+def workshop(
+    registry: Registry | None = None,
+    method: str = "sensitivity",
+    finder: str = "multi_start",
+    smoother: str = "gcv_quintic",
+) -> Workshop:
     """The installed plugins, ready for a diagnosis."""
     registry = registry or load()
     return Workshop(
@@ -56,6 +61,7 @@ def workshop(registry: Registry | None = None, method: str = "sensitivity", smoo
         registry.hypotheses,
         registry.smoother(smoother)(),
         registry.identifier(method)(),
+        registry.identifier(finder)(),
     )
 
 

@@ -4,5 +4,6 @@ For many plain simulations of one model in memory, `crashkit.mechanics.simulate_
 """
 
 from crashkit.campaign.campaign import run
+from crashkit.campaign.cores import spread
 
-__all__ = ["run"]
+__all__ = ["run", "spread"]

@@ -7,7 +7,14 @@ import numpy as np
 import xarray as xr
 
 from crashkit.errors import CrashkitError
-from crashkit.protocols import Observer, SensorErrors
+from crashkit.protocols import Observer, ParameterSpec, SensorErrors
+
+ROCKING = (
+    ParameterSpec("rocking_share", "1", "how much of the reading is a turning of the body, which rocks", -2.0, 2.0, 0.0, null=0.0),
+    ParameterSpec("rocking_frequency", "s-1", "natural frequency of that", 0.1, 200.0, 10.0, null=10.0),
+    ParameterSpec("rocking_damping", "1", "its damping, of critical", 1e-3, 0.99, 0.3, null=0.3),
+)
+"""Of a sensor on a body that turns about an axis which the model leaves out: u + share (ringing(u) - u), see `ringing`."""
 
 
 def error_values(

@@ -6,12 +6,12 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.diagnose.consistency import check_instruments
-from crashkit.diagnose.finding import estimates, experiment, is_there, make_finding, stand_ins, with_experiment
+from crashkit.diagnose.finding import estimates, experiment, make_finding, stand_ins, with_experiment
 from crashkit.diagnose.fits import curves_of, fit_of, predict
 from crashkit.diagnose.name import FLOOR, Progress
 from crashkit.diagnose.reidentify import refine, reidentify
 from crashkit.diagnose.result import UNKNOWN, Alternative, Diagnosis, Finding, Fit, place_of
-from crashkit.diagnose.rounds import Discovery, Round, discover, run_drops
+from crashkit.diagnose.rounds import Discovery, Round, discover, needed, run_drops
 from crashkit.diagnose.show import action_of, identified_table, limits_table, missing_force_tree, ranking_table, units_of
 from crashkit.diagnose.words import noted, summarise
 from crashkit.diagnose.workshop import Workshop
@@ -46,18 +46,22 @@ def diagnose(
     progress("re-identifying the model", 0.0)
     equipped = workshop.rehearsed(model, recordings.values())
     given = equipped.first_misfit(model, equipped.thinned(recordings)).with_prior(ROUGHLY)
-    discovery = discover(equipped, given, reidentify(equipped.identifier, given), progress)
+    discovery = discover(equipped, given, reidentify(equipped.identifier, equipped.finder, given), progress)
     progress("refining", 0.0)
     return _told(equipped, _refined(equipped, discovery, recordings), holdout)
 
 
 def _refined(workshop: Workshop, discovery: Discovery, recordings: Mapping[str, xr.DataTree]) -> Discovery:
-    """The base and the final model fitted without what was believed beforehand, and seen on every sample."""
+    """The base and the final model fitted without what was believed beforehand, and seen on every sample.
+
+    What that fit can do without is not told.
+    """
     workshop = workshop.equipped([discovery.base.model, discovery.final.model])
     thinner = workshop.thinned(recordings)
     searches = [refine(workshop.identifier, _plain(workshop, m, m.model, thinner)) for m in (discovery.base, discovery.final)]
+    rounds, *searches = needed(workshop, discovery.rounds, *searches)
     base, final = (_plain(workshop, search.misfit, search.fitted().model, recordings) for search in searches)
-    return evolve(discovery, base=base, final=final, search=searches[1])
+    return evolve(discovery, base=base, final=final, search=searches[1], rounds=rounds)
 
 
 def _plain(workshop: Workshop, misfit: Misfit, model: Model, recordings: Mapping[str, xr.DataTree]) -> Misfit:
@@ -110,7 +114,7 @@ def _findings(
 ) -> tuple[tuple[Finding, ...], xr.DataTree]:
     units = units_of(discovery.final.model, workshop)
     told: list[tuple[Finding, dict[str, xr.Dataset]]] = []
-    for look in [look for look in discovery.rounds if is_there(look.rivals[0], identified)]:
+    for look in discovery.rounds:
         rival = look.rivals[0]
         action = action_of(workshop, discovery.final, look.before, rival, unseen)
         kind = workshop.hypotheses[rival.proposal.physics]

@@ -17,8 +17,6 @@ RUN_DROP = 9.0
 """Drop in chi squared that a run must show by itself to be named."""
 RIVAL = 0.01
 """Probability from which a rival is worth an experiment."""
-SIGNIFICANT = 3.0
-"""Standard deviations from nothing below which a finding is dropped."""
 FASTER = 1.2
 SEPARATED = 3.0
 
@@ -31,15 +29,6 @@ def estimates(rival: Rival, identified: Identification, units: Mapping[str, str]
     short = [_short(path) for path in rows]
     told = {path: name if short.count(name) == 1 else path for path, name in zip(rows, short, strict=True)}
     return {told[path]: Estimate(float(r["value"]), float(r["std"]), units.get(path, "")) for path, r in rows.items()}
-
-
-def is_there(rival: Rival, identified: Identification) -> bool:
-    """Whether the size of the physics is significant in the final model: an early finding may be a later one's stand-in."""
-    path = rival.proposal.parameters[0]
-    if list(rival.proposal.null) != [path] or path not in identified.parameters["parameter"].values:
-        return True
-    row = identified.parameters.sel(parameter=path)
-    return not abs(float(row["value"]) - rival.proposal.null[path]) < SIGNIFICANT * float(row["std"])
 
 
 def make_finding(

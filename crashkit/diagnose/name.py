@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 from attrs import frozen
 
-from crashkit.diagnose.cores import spread
+from crashkit.campaign import spread
 from crashkit.diagnose.reidentify import scattered
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.score import Score, score
@@ -40,7 +40,10 @@ SCATTERED = 8
 POLISHING = ((200, 5), (24, 10), (5, 60))
 """The heats of that."""
 LEAST_PROMISE = 1e-3
-"""A drop in chi squared below this says that nothing of the effect is excited."""
+"""A drop in chi squared below this says that nothing of the effect is excited. More is not asked of a model that is above the
+noise: its own parameters may hide an effect so well that its score is small."""
+NOISE_PROMISE = 3.0
+"""That is asked of a model at the noise, at its best fit."""
 SEEN = 4.5
 """Standard deviations from which an effect is found: its chi squared is then that of a finding."""
 UNKNOWN_ODDS = 1e-2
@@ -110,10 +113,12 @@ def fit_rivals(
     residual = base.residual(base.start())
     reference = float(residual @ residual)
     scores = _scores(workshop, base, proposals, reference, progress)
-    entrants = _entrants(workshop, base, scores, 1)
+    normalised = float(np.sqrt(reference / base.independent_samples))
     strained = base.departure(base.start()) > STRAINED
-    if strained or np.sqrt(reference / base.independent_samples) > CONCEALED:
-        entrants += _entrants(workshop, given, _scores(workshop, given, proposals, np.inf, progress), STARTS)
+    at_noise = normalised < FLOOR and not strained
+    entrants = _entrants(workshop, base, scores, 1, NOISE_PROMISE if at_noise else LEAST_PROMISE)
+    if strained or normalised > CONCEALED:
+        entrants += _entrants(workshop, given, _scores(workshop, given.coarse, proposals, np.inf, progress), STARTS, LEAST_PROMISE)
     fitted = [_rival(p, search, base.deviance(residual)) for p, search in _heats(entrants, HEATS, progress)]
     ranked = sorted(fitted, key=lambda rival: -rival.evidence)
     if ranked and ranked[0].search.normalised > FLOOR:
@@ -199,24 +204,23 @@ def _scores(
     workshop: Workshop, origin: Misfit, proposals: Sequence[Proposal], reference: float, progress: Progress
 ) -> list[tuple[Proposal, Score]]:
     """Of every proposal from each of its starts, the model's own parameters at their values in `origin`."""
-    tasks = [(proposal, dict(start)) for proposal in proposals for start in proposal.starts]
 
-    def scored(task: tuple[Proposal, dict[str, float]]) -> Score | None:
-        return score(*task, workshop.misfit(origin, task[0].model), reference)
+    def scored(proposal: Proposal) -> list[Score | None]:
+        misfit = workshop.misfit(origin, proposal.model)
+        return [score(proposal, dict(start), misfit, reference) for start in proposal.starts]
 
     def told(done: int) -> None:
-        progress(f"scoring {tasks[done][0].physics} at {place_of(tasks[done][0].location)}", done / len(tasks))
+        progress(f"scoring {proposals[done].physics} at {place_of(proposals[done].location)}", done / len(proposals))
 
-    found = zip((proposal for proposal, _ in tasks), spread(scored, tasks, told), strict=True)
-    return [(proposal, one) for proposal, one in found if one is not None]
+    found = zip(proposals, spread(scored, proposals, told), strict=True)
+    return [(proposal, one) for proposal, scores in found for one in scores if one is not None]
 
 
-def _entrants(workshop: Workshop, origin: Misfit, scores: Sequence[tuple[Proposal, Score]], most: int) -> list[Entrant]:
-    """Searches from the best starts of every claim.
-
-    No claim is dropped on its score alone: the model's own parameters may hide an effect so well that its score is small.
-    """
-    promising = [(proposal, one) for proposal, one in scores if one.drop > LEAST_PROMISE or not proposal.null]
+def _entrants(
+    workshop: Workshop, origin: Misfit, scores: Sequence[tuple[Proposal, Score]], most: int, least: float
+) -> list[Entrant]:
+    """Searches from the best starts of every claim that promises a drop of `least`."""
+    promising = [(proposal, one) for proposal, one in scores if one.drop > least or not proposal.null]
     chosen = _first_of_each(sorted(promising, key=lambda one: -one[1].drop), most)
     misfits = [workshop.misfit(origin, proposal.model).with_values(promise.values) for proposal, promise in chosen]
     return list(zip((proposal for proposal, _ in chosen), begin_all(workshop.identifier, misfits), strict=True))

@@ -1,14 +1,18 @@
 """Re-identify first: the given model's own parameters, fitted to all calibration runs together."""
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from crashkit.campaign import spread
 from crashkit.diagnose.search import Search, advance_all, begin, begin_all
 from crashkit.misfit import Misfit
-from crashkit.protocols import Identifier
+from crashkit.protocols import Identifier, Status
 
 STEPS = 60
+FINDING = 400
+"""Steps of the search that looks everywhere."""
 REWEIGHTINGS = 3
 SCATTER = 0.07
 """Relative scatter of the starts about the given values."""
@@ -16,14 +20,20 @@ HEATS = ((10, 6), (4, 10), (2, STEPS))
 """How many starts enter each heat, and how many steps each gets there."""
 
 
-def reidentify(identifier: Identifier[Any], misfit: Misfit) -> Search:
+def reidentify(identifier: Identifier[Any], finder: Identifier[Any], misfit: Misfit) -> Search:
     """The best fit of the model as it is; what then remains, no tuning of its parameters removes.
 
-    A wrong model has many local optima where thresholds are crossed, so the search begins at the given values and around them.
+    A wrong model has many local optima where thresholds are crossed, so two searches look everywhere.
     Channels whose noise level is open are weighed by what the model leaves of them, which the fit itself changes: a few
     rounds settle that.
+
+    Arguments:
+        identifier: of every fit in a diagnosis.
+        finder: a slower one that does not end in the nearest optimum.
     """
-    search = best_of_many(identifier, misfit)
+    ends = spread(lambda look: look(misfit), [partial(_found, finder), partial(_best_of_many, identifier)])
+    searches = [begin(identifier, misfit.with_values(misfit.values(end))).advance(STEPS) for end in ends]
+    search = min(searches, key=lambda search: search.state.cost)
     if all(channel.noise.trusted for channel in misfit.channels):
         return search
     for _ in range(REWEIGHTINGS):
@@ -31,17 +41,26 @@ def reidentify(identifier: Identifier[Any], misfit: Misfit) -> Search:
     return search
 
 
+def _found(finder: Identifier[Any], misfit: Misfit) -> np.ndarray:
+    state = finder.start(misfit)
+    for _ in range(FINDING):
+        if state.status is not Status.RUNNING:
+            break
+        state = finder.step(misfit, state)
+    return np.asarray(state.point)
+
+
 def refine(identifier: Identifier[Any], misfit: Misfit) -> Search:
     """The fit from values that are already good."""
     return begin(identifier, misfit).advance(STEPS)
 
 
-def best_of_many(identifier: Identifier[Any], misfit: Misfit) -> Search:
-    """The best of several searches that begin at the model's values and around them."""
+def _best_of_many(identifier: Identifier[Any], misfit: Misfit) -> np.ndarray:
+    """Where the best of several searches ends that begin at the model's values and around them."""
     searches = begin_all(identifier, scattered(misfit, HEATS[0][0]))
     for size, steps in HEATS:
         searches = advance_all(sorted(searches, key=lambda search: search.state.cost)[:size], steps)
-    return min(searches, key=lambda search: search.state.cost)
+    return min(searches, key=lambda search: search.state.cost).point
 
 
 def scattered(misfit: Misfit, count: int) -> list[Misfit]:

@@ -82,6 +82,11 @@ def discover(workshop: Workshop, given: Misfit, base_search: Search, progress: P
         look = _look(workshop, given, current, [r.rivals[0] for r in rounds], progress)
         if look.winner is None:
             break
+        challenger = _without(base_search, look.winner) if not rounds else base_search
+        if challenger.deviance < base_search.deviance - TIE:
+            base_search = search = challenger
+            base = current = search.fitted()
+            continue
         rounds.append(look)
         search = look.winner.search
         current = search.fitted()
@@ -89,6 +94,13 @@ def discover(workshop: Workshop, given: Misfit, base_search: Search, progress: P
         rounds, search = _reconsider(workshop, given, base_search, rounds, progress)
     last = look if look is not None and look.winner is None else None
     return Discovery(base, search.fitted(), search, tuple(rounds), last)
+
+
+def _without(search: Search, winner: Rival) -> Search:
+    """The model without the winner from where that has moved its numbers: it may have won by leaving a local optimum."""
+    found = winner.search.misfit.values(winner.search.point)
+    own = {name: found[name] for name in search.misfit.names if name in found}
+    return begin(search.identifier, search.misfit.with_values(own)).advance(STEPS)
 
 
 def _is_estimated(rounds: Sequence[Round]) -> bool:
@@ -131,6 +143,23 @@ def _reconsider(
             looks[looks.index(old)] = look
             search = look.winner.search
     return looks, search
+
+
+def needed(
+    workshop: Workshop, rounds: Sequence[Round], base: Search, final: Search
+) -> tuple[tuple[Round, ...], Search, Search]:
+    """The findings without which the fit is worse, and the fits of the model without any and with these.
+
+    An early finding may only have led the search past a local optimum.
+    """
+    kept = list(rounds)
+    for look in rounds:
+        others = [one for one in kept if one is not look]
+        base = min(base, _without(base, look.rivals[0]), key=lambda search: search.deviance)
+        without = rebuild(workshop, base, [one.rivals[0] for one in others], final)
+        if without is not None and without.deviance < final.deviance + LEAST_DROP:
+            kept, final = others, without
+    return tuple(kept), base, final
 
 
 def rebuild(workshop: Workshop, base_search: Search, rivals: Sequence[Rival], last: Search) -> Search | None:

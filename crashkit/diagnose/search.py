@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from attrs import evolve, frozen
 
-from crashkit.diagnose.cores import spread
+from crashkit.campaign import spread
 from crashkit.errors import SimulationError
 from crashkit.misfit import Misfit
 from crashkit.protocols import Identification, Identifier, Status

@@ -16,13 +16,14 @@ from crashkit.protocols import Hypothesis, Identifier, Observer, Smoother, Sprin
 
 @frozen
 class Workshop:
-    """The plugins by name, the identifier, and the engine."""
+    """The plugins by name, an identifier for every fit, another that looks everywhere for a first one, and the engine."""
 
     laws: Mapping[str, type[SpringLaw]]
     observers: Mapping[str, type[Observer]]
     hypotheses: Mapping[str, type[Hypothesis]]
     smoother: Smoother
     identifier: Identifier[Any]
+    finder: Identifier[Any]
     engine: Engine | None = field(default=None)
 
     def misfit(self, base: Misfit, model: Model) -> Misfit:

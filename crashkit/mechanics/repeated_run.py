@@ -76,9 +76,13 @@ class RepeatedRun:
         return motion_of(copy, self.times, self._layout.axes, self._simulator.names, paths)
 
     def entry(self, quantity: str, body: str, axis: str) -> int | None:
-        """Where a record holds a quantity of `BY_BODY`; None where it does not."""
+        """Where a record holds a quantity of `BY_BODY`; None where it does not.
+
+        The force that a load cell feels is no entry of its own where a joint supports a body.
+        """
         axes, bodies = self._layout.axes, self._layout.bodies
-        if quantity not in BY_BODY or axis not in axes:
+        supports = quantity == "contact_force" and bool(self._simulator.names["joint_support"].any())
+        if supports or quantity not in BY_BODY or axis not in axes:
             return None
         dof = DOF[len(axes)]
         velocities = dof * len(bodies)

@@ -39,11 +39,12 @@ def _initial(layout: Layout, initial: xr.Dataset | None) -> tuple[Floats, Floats
     if initial is None:
         return start, quaternions
     index = {body: i for i, body in enumerate(layout.bodies)}
-    rows = [i for i, body in enumerate(initial["body"].values.tolist()) if body in index]
-    own = [index[body] for body in initial["body"].values.tolist() if body in index]
+    known = initial.variables["body"].values.tolist()
+    rows = [i for i, body in enumerate(known) if body in index]
+    own = [index[known[i]] for i in rows]
     moving = [i for i, b in enumerate(own) if np.isfinite(layout.masses[b])]
     axes = len(layout.axes)
-    letters = initial["axis"].values.tolist()
+    letters = initial.variables["axis"].values.tolist()
     columns = [letters.index(axis) for axis in layout.axes]
     start[0, own, :axes] = initial.variables["position"].values[rows][:, columns]
     velocity = initial.variables["velocity"].values[rows][:, columns]

@@ -52,6 +52,7 @@ class Simulator:
                 "axis": list(model.axes if len(model.axes) == 1 else XYZ),
                 "joint": np.array(self.layout.joints, dtype=str),
                 "joint_bodies": (("joint", "end"), ends),
+                "joint_support": ("joint", np.array([joint.support for joint in model.joints], dtype=bool)),
             }
         )
 

@@ -8,6 +8,7 @@ from attrs import frozen
 
 from crashkit.errors import CrashkitError
 from crashkit.misfit.noise import Noise, channel_noise
+from crashkit.model import Model
 from crashkit.protocols import Observer
 
 
@@ -47,13 +48,15 @@ class Group:
 
 
 def groups_of(
-    run: str, recording: xr.DataTree, observers: Mapping[str, type[Observer]], bodies: frozenset[str]
+    run: str, recording: xr.DataTree, observers: Mapping[str, type[Observer]], model: Model
 ) -> Iterator[Group]:
-    """The instruments of a recording that watch the model's bodies.
+    """The instruments of a recording that watch the model's bodies; of those on a line, along that line.
 
     Raises:
-        CrashkitError: an observer is not installed, or a sensor sits on a body that the model does not have.
+        CrashkitError: an observer is not installed, a sensor sits on a body that the model does not have, or an instrument
+            has none of the model's axes.
     """
+    bodies = frozenset(body.name for body in model.bodies)
     for name, node in recording.children.items():
         if "observer" not in node.attrs:
             continue
@@ -62,7 +65,20 @@ def groups_of(
             raise CrashkitError(
                 f"{run}: {name}: expected an installed observer ({', '.join(sorted(observers))}), found {kind}"
             )
-        yield _group(run, name, observers[kind](), node.to_dataset(inherit=False), bodies)
+        observer = observers[kind]()
+        dataset = _along(run, name, observer, node.to_dataset(inherit=False), model)
+        yield _group(run, name, observer, dataset, bodies)
+
+
+def _along(run: str, name: str, observer: Observer, dataset: xr.Dataset, model: Model) -> xr.Dataset:
+    """What an instrument reads along a line, where bodies do not turn; as it is in several axes."""
+    if len(model.axes) > 1 or "axis" not in dataset[observer.quantity].dims:
+        return dataset
+    known = dataset["axis"].values.tolist()
+    shared = [axis for axis in known if axis in model.axes]
+    if not shared:
+        raise CrashkitError(f"{run}: {name}/axis: expected the model's {model.axes[0]}, found {', '.join(known)}")
+    return dataset if shared == known else dataset.sel(axis=shared)
 
 
 def _group(run: str, name: str, observer: Observer, dataset: xr.Dataset, bodies: frozenset[str]) -> Group:

@@ -156,8 +156,13 @@ def initial_state(recording: xr.DataTree, model: Model) -> xr.Dataset | None:
     state = node.to_dataset(inherit=False)
     known = state.variables["body"].values.tolist()
     carried = [body for body in model.bodies if body.carrier in known and body.name not in known]
-    loads = [state.sel(body=[b.carrier]).assign_coords(body=[b.name]) for b in carried]
-    return xr.concat([state, *loads], dim="body") if loads else state
+    if not carried:
+        return state
+    rows = [*range(len(known)), *(known.index(body.carrier) for body in carried)]
+    names = xr.Variable("body", [*known, *(body.name for body in carried)])
+    variables = {name: variable.isel(body=rows) for name, variable in state.variables.items() if "body" in variable.dims}
+    coords = xr.Coordinates({"axis": state.variables["axis"], "body": names}, indexes={})  # building those takes longer
+    return xr.Dataset({name: variable for name, variable in variables.items() if name != "body"}, coords)
 
 
 def _moved(model: Model, compiled: Model) -> dict[str, float]:

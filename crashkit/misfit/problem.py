@@ -12,7 +12,7 @@ from crashkit.mechanics import Engine, Simulator
 from crashkit.misfit.channel import Channel, Group, groups_of
 from crashkit.misfit.coarse import COARSE_STEP, coarse_group
 from crashkit.misfit.predictor import STEP, Prediction, Predictor
-from crashkit.misfit.rows import rows_of
+from crashkit.misfit.rows import Rows, rows_of
 from crashkit.model import Model
 from crashkit.protocols import Observer, SpringLaw
 
@@ -51,8 +51,7 @@ class Misfit:
         observers: Mapping[str, type[Observer]],
         engine: Engine | None = None,
     ) -> None:
-        bodies = frozenset(body.name for body in model.bodies)
-        groups = [group for run, tree in recordings.items() for group in groups_of(run, tree, observers, bodies)]
+        groups = [group for run, tree in recordings.items() for group in groups_of(run, tree, observers, model)]
         self._setup(model, recordings, groups, Simulator(model, laws, engine))
 
     def _setup(
@@ -67,16 +66,25 @@ class Misfit:
         self.prior = prior
         self.model = model
         self.recordings = recordings
-        self.predictor = Predictor(model, recordings, groups, simulator, step)
-        self.groups = self.predictor.groups
-        self.names = self.predictor.names
-        self._free = tuple(model.free_parameters().values())
+        self.simulator = simulator
+        self.groups = tuple(groups)
+        self._step = step
+        free = model.free_parameters()
+        self.names, self._free = tuple(free), tuple(free.values())
         self._log = np.array([parameter.lower > 0 for parameter in self._free], dtype=bool)
-        self._rows = [rows_of(group) for group in self.groups]
         self._known = np.array([i for i, name in enumerate(self.names) if name in prior.centres], dtype=int)
         self._centres = self.scaled(
             np.array([prior.centres.get(p, v.value) for p, v in zip(self.names, self._free, strict=True)])
         )
+
+    @cached_property
+    def predictor(self) -> Predictor:
+        """Of what the instruments would read; made when it is first asked: of many models only names and bounds are."""
+        return Predictor(self.model, self.recordings, self.groups, self.simulator, self._step)
+
+    @cached_property
+    def _rows(self) -> list[Rows]:
+        return [rows_of(group) for group in self.groups]
 
     @property
     def channels(self) -> tuple[Channel, ...]:
@@ -199,7 +207,7 @@ class Misfit:
         """The same misfit when its model's values are known to about `std`, of those that are searched in their logarithm."""
         centres = {n: p.value for n, p, log in zip(self.names, self._free, self._log, strict=True) if log}
         copy = object.__new__(Misfit)
-        copy._setup(self.model, self.recordings, self.groups, self.predictor.simulator, prior=Prior(centres, std))
+        copy._setup(self.model, self.recordings, self.groups, self.simulator, prior=Prior(centres, std))
         return copy
 
     def with_recordings(self, runs: tuple[str, ...]) -> "Misfit":
@@ -207,7 +215,7 @@ class Misfit:
         chosen = {run: self.recordings[run] for run in runs}
         copy = object.__new__(Misfit)
         copy._setup(
-            self.model, chosen, [g for g in self.groups if g.run in chosen], self.predictor.simulator, prior=self.prior
+            self.model, chosen, [g for g in self.groups if g.run in chosen], self.simulator, prior=self.prior
         )
         return copy
 
@@ -216,19 +224,19 @@ class Misfit:
         """The same at fewer instants and in longer steps of the integration, for first guesses."""
         copy = object.__new__(Misfit)
         groups = [coarse_group(group) for group in self.groups]
-        copy._setup(self.model, self.recordings, groups, self.predictor.simulator, COARSE_STEP, self.prior)
+        copy._setup(self.model, self.recordings, groups, self.simulator, COARSE_STEP, self.prior)
         return copy
 
     def at_speed(self, factor: float) -> "Misfit":
         """The same instruments in tests with all initial velocities multiplied, to ask what such tests would show."""
         copy = object.__new__(Misfit)
         faster = {run: _faster(recording, factor) for run, recording in self.recordings.items()}
-        copy._setup(self.model, faster, list(self.groups), self.predictor.simulator)
+        copy._setup(self.model, faster, list(self.groups), self.simulator)
         return copy
 
     def _with(self, model: Model, groups: list[Group], simulator: Simulator | None = None) -> "Misfit":
         copy = object.__new__(Misfit)
-        copy._setup(model, self.recordings, groups, simulator or self.predictor.simulator, prior=self.prior)
+        copy._setup(model, self.recordings, groups, simulator or self.simulator, self._step, self.prior)
         return copy
 
     def _residual(self, predictions: list[Prediction]) -> np.ndarray:

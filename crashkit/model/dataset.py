@@ -112,7 +112,7 @@ def _entries(
 
 
 def _plane_and_space(model: Model) -> dict[str, np.ndarray]:
-    """What one axis knows nothing of, and gravity: only what some part of the model has."""
+    """What one axis knows nothing of, gravity and supports: only what some part of the model has."""
     axes, bodies, joints = len(model.axes), model.bodies, model.joints
     columns = {
         "body_orientation": _optional([body.orientation for body in bodies], ORIENTATION[axes]),
@@ -120,6 +120,8 @@ def _plane_and_space(model: Model) -> dict[str, np.ndarray]:
         "joint_normal": _optional([joint.normal or () for joint in joints], axes),
     }
     gravity = {"gravity": np.array(model.gravity)} if model.gravity else {}
+    if any(joint.support for joint in joints):
+        gravity["joint_support"] = np.array([joint.support for joint in joints], dtype=np.int8)
     return gravity | {name: column for name, column in columns.items() if not np.isnan(column).all()}
 
 
@@ -185,6 +187,7 @@ def _joint(columns: dict[str, list[Any]], index: int) -> Joint:
         factors=tuple(factor for joint, factor in factors if joint == name),
         points=None if np.isnan(points).all() else (tuple(points[0]), tuple(points[1])),
         normal=_row(columns, "joint_normal", index) or None,
+        support=bool(columns["joint_support"][index]) if "joint_support" in columns else False,
     )
 
 

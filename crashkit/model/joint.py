@@ -24,6 +24,8 @@ class Joint:
         normal: unit vector in the first body's frame: the joint is the contact of a point of the second body with a flat
             face of the first, its distance is measured along this normal, and its force acts along it at the point; None:
             the joint is the line between its two points. In one axis the two are the same.
+        support: whether it holds one of the bodies to what stands behind it: a load cell on that body does not feel it. In
+            one axis only.
     """
 
     name: str
@@ -34,3 +36,4 @@ class Joint:
     points: tuple[tuple[float, ...], tuple[float, ...]] | None = None
     free_length: Parameter | None = None
     normal: tuple[float, ...] | None = None
+    support: bool = False

@@ -68,6 +68,8 @@ def _geometry_faults(joint: Joint, model: Model, where: str) -> Iterator[Fault]:
     axes = len(model.axes)
     for point in joint.points or ():
         yield from vector_faults(point, axes, f"{where}/points")
+    if joint.support and axes > 1:
+        yield Fault(f"{where}/support", "none but in one axis", "true")
     if joint.normal is not None and axes == 1:
         yield Fault(f"{where}/normal", "none in one axis", names(joint.normal))
     elif joint.normal is not None:

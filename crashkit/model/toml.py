@@ -162,6 +162,7 @@ def _joint(table: dict[str, Any], laws: Mapping[str, type[SpringLaw]], index: in
         points=(_floats(points[0]), _floats(points[1])) if points else None,
         free_length=_free_length(joint.get("free_length"), f"{where}/free_length", faults),
         normal=normalised(_floats(joint["normal"])) if "normal" in joint else None,
+        support=joint.get("support", False),
     )
 
 

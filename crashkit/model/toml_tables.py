@@ -80,6 +80,7 @@ JOINT = {
     "points": _POINTS,
     "normal": _NUMBERS,
     "free_length": _ANY,
+    "support": _FLAG,
     "law": _TEXT,
     "factors": _TEXTS,
     "parameters": _TABLE,

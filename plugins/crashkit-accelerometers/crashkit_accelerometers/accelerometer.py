@@ -3,6 +3,7 @@
 import numpy as np
 import xarray as xr
 
+from crashkit.data.instrument_errors import ROCKING
 from crashkit.data.schema import Attribute, GroupSchema, Variable
 from crashkit.errors import CrashkitError
 from crashkit.protocols import PlainObserver, Reading, SensorErrors
@@ -47,7 +48,7 @@ class Accelerometer(PlainObserver):
     )
     quantity = "acceleration"
     channel = "sensor"
-    errors = (*channel_errors("m s-2", full_scale=1000.0), *POSITION_ERRORS)
+    errors = (*channel_errors("m s-2", full_scale=1000.0), *POSITION_ERRORS, *ROCKING)
     instrument_errors = CLOCK
 
     def predict(self, motion: xr.Dataset, instrument: xr.Dataset, errors: SensorErrors | None = None) -> xr.Dataset:

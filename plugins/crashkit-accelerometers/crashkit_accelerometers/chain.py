@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 
 from crashkit.data.channel_filter import filter_channel
+from crashkit.data.ringing import ringing, ringing_derivatives
 from crashkit_accelerometers.hysteresis import branch
-from crashkit_accelerometers.ringing import ringing, ringing_derivatives
 
 Own = dict[str, np.ndarray]
 """The value of every error parameter, by its name."""
@@ -34,8 +34,9 @@ class Chain:
 
     def run(self, channel_frequency_class: int) -> None:
         """Every effect, in the order of the chain."""
-        if self._acts("resonance_share"):
-            self.ring()
+        for oscillator in ("rocking", "resonance"):
+            if f"{oscillator}_share" in self._own and self._acts(f"{oscillator}_share"):
+                self.ring(oscillator)
         self.amplify()
         if self._acts("quadratic", "cubic"):
             self.bend()
@@ -46,10 +47,10 @@ class Chain:
             self.offset()
         self.filter(channel_frequency_class)
 
-    def ring(self) -> None:
-        """a + share (ringing(a) - a): part of the reading, or all of it, comes through a mount that rings."""
-        share = self._own["resonance_share"]
-        mount = self._times, self._own["resonance_frequency"], self._own["resonance_damping"]
+    def ring(self, oscillator: str) -> None:
+        """a + share (ringing(a) - a): part of the reading, or all of it, comes through a body that rocks, a mount that rings."""
+        share = self._own[f"{oscillator}_share"]
+        mount = self._times, self._own[f"{oscillator}_frequency"], self._own[f"{oscillator}_damping"]
         column = self.value[..., None]
         change = (ringing(column, *mount) - column)[..., 0]
         if share.any():
@@ -57,11 +58,11 @@ class Chain:
             self.value = self.value + share * change
         if self.errors is None:
             return
-        self.errors["resonance_share"] = change
+        self.errors[f"{oscillator}_share"] = change
         if share.any():
             by_frequency, by_damping = ringing_derivatives(column, *mount)
-            self.errors["resonance_frequency"] = share * by_frequency[..., 0]
-            self.errors["resonance_damping"] = share * by_damping[..., 0]
+            self.errors[f"{oscillator}_frequency"] = share * by_frequency[..., 0]
+            self.errors[f"{oscillator}_damping"] = share * by_damping[..., 0]
 
     def amplify(self) -> None:
         """gain a."""

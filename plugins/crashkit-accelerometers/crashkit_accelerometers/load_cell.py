@@ -1,5 +1,6 @@
 """Load cells: the force that a body, usually the obstacle, receives from the joints."""
 
+import numpy as np
 import xarray as xr
 
 from crashkit.data.schema import GroupSchema, Variable
@@ -39,10 +40,12 @@ class LoadCell(PlainObserver):
     def predict(self, motion: xr.Dataset, instrument: xr.Dataset, errors: SensorErrors | None = None) -> xr.Dataset:
         """The force on each cell's body, as `Observer.predict` says; needs `contact_force` (time, body, axis) of the motion.
 
+        Joints that support a body are not felt.
+
         Raises CrashkitError where several cells share a body: how they share its force is not known.
         """
         _refuse_shared_bodies(instrument)
-        felt = felt_in_laboratory(self, motion, "contact_force", bodies_of(self, motion, instrument))
+        felt = felt_in_laboratory(self, without_supports(motion), "contact_force", bodies_of(self, motion, instrument))
         return predict_channels(self, motion, instrument, own_errors(self, instrument, errors), felt)
 
     def reading(self, instrument: xr.Dataset, turning: bool) -> Reading | None:
@@ -57,6 +60,23 @@ class LoadCell(PlainObserver):
         """
         _refuse_shared_bodies(instrument)
         return reconstruct_bodies(self, instrument, "contact_force")
+
+
+def without_supports(motion: xr.Dataset) -> xr.Dataset:
+    """The motion with the net force of only those joints on each body that do not support one; on a line."""
+    if "joint_support" not in motion.variables or not motion.variables["joint_support"].values.any():
+        return motion
+    bodies, places = motion.variables["body"].values.tolist(), motion.variables["position"].values[0, :, 0]
+    names = [name for name in ("contact_force", "contact_force_sensitivity") if name in motion.variables]
+    felt = {name: motion.variables[name].copy() for name in names}
+    for joint in np.flatnonzero(motion.variables["joint_support"].values):
+        first, second = (bodies.index(name) for name in motion.variables["joint_bodies"].values[joint].tolist())
+        push = 1.0 if places[second] >= places[first] else -1.0
+        for name, variable in felt.items():
+            force = push * motion.variables[name.replace("contact_force", "force")].values[:, joint]
+            variable.values[:, first, 0] += force
+            variable.values[:, second, 0] -= force
+    return motion.assign(felt)
 
 
 def _refuse_shared_bodies(instrument: xr.Dataset) -> None:

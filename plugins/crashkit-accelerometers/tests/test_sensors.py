@@ -200,3 +200,21 @@ def test_a_body_that_the_motion_lacks_is_named(motion: xr.Dataset) -> None:
 def test_an_error_that_is_not_declared_there_is_refused(motion: xr.Dataset, errors: dict) -> None:
     with pytest.raises(CrashkitError, match="expected an error of"):
         Accelerometer().predict(motion, accelerometer_at(np.array([0.0, 0.01])), errors)
+
+
+def test_a_load_cell_does_not_feel_what_holds_its_body_from_behind() -> None:
+    """The car pushes the wall with 100 N; the ground behind takes 40 N of that, the rest moves the wall."""
+    places, joints = {"ground": 100.0, "wall": 0.0, "car": -1.0}, [["wall", "car"], ["ground", "wall"]]
+    net = np.array([40.0, 60.0, -100.0])
+    motion = xr.Dataset(
+        {
+            "position": (("time", "body", "axis"), np.tile(np.array([*places.values()])[:, None], (2, 1, 1))),
+            "contact_force": (("time", "body", "axis"), np.tile(net[:, None], (2, 1, 1))),
+            "force": (("time", "joint"), np.tile([100.0, 40.0], (2, 1))),
+            "joint_bodies": (("joint", "end"), joints),
+            "joint_support": ("joint", [False, True]),
+        },
+        {"time": [0.0, 0.01], "body": list(places), "axis": ["x"]},
+    )
+    felt = LoadCell().predict(motion, load_cell_at(np.array([0.0, 0.01])))["force"]
+    assert felt.values.ravel().tolist() == [100.0, 100.0]

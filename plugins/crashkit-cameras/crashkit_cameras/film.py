@@ -3,12 +3,13 @@
 import numpy as np
 import xarray as xr
 
-from crashkit.data.instrument_errors import error_values, prediction_coordinates
+from crashkit.data.instrument_errors import ROCKING, error_values, prediction_coordinates
 from crashkit.data.schema import GroupSchema, Variable
 from crashkit.data.schemas import body_of, point_of, std_of
 from crashkit.protocols import ParameterSpec, PlainObserver, Reading, SensorErrors
 from crashkit_cameras.body_motion import body_motion
 from crashkit_cameras.marker_motion import marker_motion
+from crashkit_cameras.rocking import Rocking
 
 DIMS = ("time", "marker", "axis")
 
@@ -17,7 +18,7 @@ class Film(PlainObserver):
     """Markers on bodies, which may turn.
 
     z(t) = y_0 + gain (y(t - clock_offset) - y_0) + bias, with y = x + R p the place of the point p of a body at x, turned by
-    R, and y_0 where it is at the motion's start.
+    R, and y_0 where it is at the motion's start; y + share w on a body that rocks, see `Rocking`.
     """
 
     name = "film"
@@ -36,6 +37,7 @@ class Film(PlainObserver):
         ParameterSpec("gain", "1", "recorded displacement per displacement", 0.2, 5.0, default=1.0, null=1.0),
         ParameterSpec("bias", "m", "offset of the recorded position", default=0.0, null=0.0),
         ParameterSpec("clock_offset", "s", "how late the time stamps are", -0.05, 0.05, default=0.0, null=0.0),
+        *ROCKING,
     )
     instrument_errors = ("clock_offset",)
 
@@ -48,15 +50,23 @@ class Film(PlainObserver):
         points = instrument.variables["marker_point"].values
         seen = marker_motion(self, motion, instrument.variables["marker_body"].values.tolist(), points, axes, at)
 
-        displacement = seen.position - seen.start
-        derivatives = np.stack([displacement, np.ones_like(displacement), -gain * seen.velocity], axis=-1)
+        share, rocking = own["rocking_share"], Rocking(seen, at, own["rocking_frequency"], own["rocking_damping"])
+        displacement, velocity = seen.position - seen.start, seen.velocity
+        aside = rocking.displacement()
+        by_shape = (np.zeros_like(aside),) * 2
+        if share.any():
+            displacement, velocity = displacement + share * aside, velocity + share * rocking.rate()
+            by_shape = rocking.derivatives()
+        errors = (displacement, np.ones_like(aside), -gain * velocity, gain * aside, *(gain * share * one for one in by_shape))
         predicted = {
             "position": xr.Variable(DIMS, seen.start + gain * displacement + bias, {"units": "m"}),
-            "position_error_sensitivity": xr.Variable((*DIMS, "error"), derivatives),
+            "position_error_sensitivity": xr.Variable((*DIMS, "error"), np.stack(errors, axis=-1)),
         }
-        if seen.slope is not None and seen.start_slope is not None:
-            slope = seen.start_slope + gain[..., None] * (seen.slope - seen.start_slope)
-            predicted["position_sensitivity"] = xr.Variable((*DIMS, "parameter"), slope)
+        if seen.slope is not None and seen.start_slope is not None and seen.start_velocity_slope is not None:
+            slope = seen.slope - seen.start_slope
+            if share.any():
+                slope = slope + share[..., None] * rocking.linear(slope - at[:, None, None, None] * seen.start_velocity_slope)
+            predicted["position_sensitivity"] = xr.Variable((*DIMS, "parameter"), seen.start_slope + gain[..., None] * slope)
         return xr.Dataset(predicted, prediction_coordinates(self, motion, instrument))
 
     def reading(self, instrument: xr.Dataset, turning: bool) -> Reading | None:

@@ -15,16 +15,18 @@ AXES = ("x", "y", "z")
 
 @frozen(eq=False)
 class MarkerMotion:
-    """Positions of markers and their rates (time, marker, axis), and the positions at the motion's start (marker, axis).
+    """Positions of markers and their rates (time, marker, axis), and both at the motion's start (marker, axis).
 
-    `slope` and `start_slope` are derivatives to the motion's parameters, with a last dim for these; None where it has none.
+    Those with `slope` are derivatives to the motion's parameters, with a last dim for these; None where it has none.
     """
 
     position: np.ndarray
     velocity: np.ndarray
     start: np.ndarray
+    start_velocity: np.ndarray
     slope: np.ndarray | None
     start_slope: np.ndarray | None
+    start_velocity_slope: np.ndarray | None
 
 
 @frozen(eq=False)
@@ -69,9 +71,11 @@ def marker_motion(
     instants = times[rows]
     position, velocity = _interpolated(instants, nodes.position, nodes.velocity, before, after, at)
     if nodes.slope is None or nodes.velocity_slope is None:
-        return MarkerMotion(position, velocity, nodes.position[0], None, None)
+        return MarkerMotion(position, velocity, nodes.position[0], nodes.velocity[0], None, None, None)
     slope, _ = _interpolated(instants, nodes.slope, nodes.velocity_slope, before, after, at)
-    return MarkerMotion(position, velocity, nodes.position[0], slope, nodes.slope[0])
+    return MarkerMotion(
+        position, velocity, nodes.position[0], nodes.velocity[0], slope, nodes.slope[0], nodes.velocity_slope[0]
+    )
 
 
 def rotation_of(quaternion: np.ndarray) -> np.ndarray:

@@ -22,6 +22,7 @@ class Accused:
         axes: of the instrument.
         null: of each error.
         largest: reading, over all recordings.
+        body: that carries the sensor; empty for an instrument.
     """
 
     instrument: str
@@ -29,6 +30,7 @@ class Accused:
     axes: tuple[str, ...]
     null: Mapping[str, float]
     largest: float
+    body: str = ""
 
     @property
     def prefix(self) -> str:
@@ -81,7 +83,9 @@ def _of_recording(recording: xr.DataTree, errors: Sequence[str]) -> Iterator[Acc
         if errors[0] in observer.instrument_errors:
             yield Accused(name, "", axes, null, 0.0)
         else:
-            yield from (Accused(name, s, axes, null, peak) for s, peak in _largest(observer, instrument).items())
+            bodies = instrument[f"{observer.channel}_body"].values.tolist()
+            peaks = _largest(observer, instrument).items()
+            yield from (Accused(name, s, axes, null, peak, body) for (s, peak), body in zip(peaks, bodies, strict=True))
 
 
 def _largest(observer: type[Observer], instrument: xr.Dataset) -> dict[str, float]:

@@ -1,6 +1,6 @@
 """The obstacle is not rigid: it slides, is pushed away, or springs back."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import ClassVar
 
 import xarray as xr
@@ -13,6 +13,10 @@ from crashkit_hypotheses.build import grid, largest_force, plane_inertia
 
 LIGHT, HEAVY = 0.05, 100.0
 """Masses that an obstacle may have, in masses of what runs into it."""
+NEVER = 1e3
+"""m, a deformation out of reach."""
+SHARES = (0.5, 5.0)
+"""Masses to start from, likewise."""
 SLIP_RATE = 0.1
 """m s-1, at which sliding is established: what is slower is followed too slowly to be stable."""
 
@@ -20,13 +24,14 @@ Parameters = Mapping[str, Parameter]
 
 
 class ObstacleMotion(Hypothesis):
-    """A fixed body has a mass M, and is held by nothing, by dry friction f sign(v), or by a spring k u and a dashpot c v."""
+    """A fixed body has a mass M, and is held by nothing, by dry friction f sign(v), by a spring k u and a dashpot c v, or by
+    what it crushes."""
 
     physics: ClassVar[str] = "obstacle_motion"
     sentence: ClassVar[str] = "{place} is no rigid obstacle: it yields or moves"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Every fixed body that a joint presses against: free, and held by the ground where no load cell feels the ground."""
+        """Every fixed body that a joint presses against."""
         mass = sum(body.mass.value for body in model.bodies if body.mass is not None)
         pushed = {body.name: _push(model, motion, body.name) for body in model.bodies if body.fixed}
         return [
@@ -35,19 +40,18 @@ class ObstacleMotion(Hypothesis):
             if force > 0.0
             for proposal in (
                 _free(model, name, mass),
-                *(
-                    []
-                    if _weighed(recordings, name)
-                    else [_sliding(model, name, mass, force), _sprung(model, name, mass, force)]
-                ),
+                *(hold(model, name, mass, force) for hold in _holds(model, recordings, name)),
             )
         ]
 
 
-def _weighed(recordings: Sequence[xr.DataTree], name: str) -> bool:
-    """Whether a load cell reads the force on a body: a cell takes all joints of its body, also those that hold it."""
+def _holds(
+    model: Model, recordings: Sequence[xr.DataTree], name: str
+) -> tuple[Callable[[Model, str, float, float], Proposal], ...]:
+    """Only on a line can a joint hold a body from behind, where a load cell does not feel it."""
     groups = [group.to_dataset(inherit=False) for recording in recordings for group in recording.children.values()]
-    return any("force" in group and name in group["sensor_body"].values for group in groups)
+    is_weighed = any("force" in group and name in group["sensor_body"].values for group in groups)
+    return () if is_weighed and len(model.axes) > 1 else (_sliding, _sprung, _crushing)
 
 
 def _push(model: Model, motion: Sequence[xr.Dataset], name: str) -> float:
@@ -64,7 +68,7 @@ def _sliding(model: Model, name: str, mass: float, force: float) -> Proposal:
         "friction_force": Parameter(0.5 * force, 1e-3 * force, 10.0 * force),
         "slip_rate": Parameter(SLIP_RATE, fixed=True),
     }
-    starts = grid(mass=(mass,), friction_force=(0.15 * force, 0.5 * force))
+    starts = grid(mass=[share * mass for share in SHARES], friction_force=(0.15 * force, 0.5 * force))
     return _moving(model, name, "sliding", mass, "coulomb", friction, starts)
 
 
@@ -74,8 +78,20 @@ def _sprung(model: Model, name: str, mass: float, force: float) -> Proposal:
         "damping": Parameter(0.0, 0.0, 10.0 * force),
         "slack": Parameter(0.0, fixed=True),
     }
-    starts = grid(mass=(0.5 * mass,), stiffness=(5.0 * force, 50.0 * force))
+    starts = grid(mass=[share * mass for share in SHARES], stiffness=(5.0 * force, 50.0 * force))
     return _moving(model, name, "sprung", mass, "tie", spring, starts)
+
+
+def _crushing(model: Model, name: str, mass: float, force: float) -> Proposal:
+    base = {
+        "elastic_stiffness": Parameter(20.0 * force, force, 1e4 * force),
+        "crush_force": Parameter(0.7 * force, 1e-2 * force, 10.0 * force),
+        "densification_deformation": Parameter(NEVER, fixed=True),
+        "densification_stiffness": Parameter(force, fixed=True),
+        "unloading_stiffness": Parameter(200.0 * force, force, 1e5 * force),
+    }
+    starts = grid(mass=[share * mass for share in SHARES], elastic_stiffness=(5.0 * force, 50.0 * force))
+    return _moving(model, name, "crushing", mass, "crush_plateau", base, starts)
 
 
 def _moving(
@@ -99,7 +115,7 @@ def _moving(
         ground = Body(fresh_name("ground", (b.name for b in bodies)), _behind(model, obstacle), obstacle.velocity, fixed=True)
         joint = fresh_name(f"{name}_ground", (j.name for j in model.joints))
         paths |= {key: f"joint.{joint}.{key}" for key, value in parameters.items() if not value.fixed}
-        held = Joint(joint, (ground.name, name), law, dict(parameters))
+        held = Joint(joint, (ground.name, name), law, dict(parameters), support=len(model.axes) == 1)
         augmented = evolve(model, bodies=(*bodies, ground), joints=(*model.joints, held))
     named = tuple({paths[key]: value for key, value in start.items()} for start in starts)
     return Proposal("obstacle_motion", form, {"body": name}, augmented, tuple(paths.values()), {}, named)

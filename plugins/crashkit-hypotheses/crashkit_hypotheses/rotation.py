@@ -1,89 +1,58 @@
-"""A body of a model on a line turns."""
+"""A body turns about an axis that the model leaves out."""
 
 from collections.abc import Sequence
 from typing import ClassVar
 
 import xarray as xr
-from attrs import evolve
 
-from crashkit.model import Joint, Model, Parameter
+from crashkit.model import Model, Parameter
+from crashkit.model.edit import with_instrument_error
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import NEVER_TURNS, plane_inertia
+from crashkit_hypotheses.accused import Accused, accused
 
-LEVER = 0.5
-"""m, by which the forces on a body that turns pass beside its centre of mass. What turns it is lever^2 / inertia, and only
-instruments away from the centre of mass tell the two apart; so the lever is assumed, and the inertia identified."""
-SHARES = (0.3, 3.0)
-"""Moments of inertia to start from, in m2 times the mass: of a small body, and of a long one."""
+TURNS = (0.7, 2.0)
+"""How often a body rocks in a run, to start from."""
+FEWEST, MOST = 0.1, 10.0
+"""The same, that is believed."""
+ERRORS = ("rocking_share", "rocking_frequency", "rocking_damping")
 
 
 class Rotation(Hypothesis):
-    """m x'' = -F, I theta'' = -F e in the plane, where the model has m x'' = -F on a line."""
+    """Every sensor on a body reads x + s w, w'' + 2 zeta (2 pi f) w' + (2 pi f)^2 w = -x'': the body pitches as it brakes.
+
+    s is how far a sensor is from the centre of mass across the motion, relative to where the body is held.
+    """
 
     physics: ClassVar[str] = "rotation"
     sentence: ClassVar[str] = "{place} turns, which the axes of the model leave out"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Every body that moves, either way about, if the model is on a line and the recordings have a further axis."""
-        across = _further_axis(model, recordings)
-        if across is None:
+        """Every body that moves and carries sensors, if the model is on a line: in the plane bodies turn."""
+        if len(model.axes) > 1:
             return []
-        moving = [(body, body.mass.value) for body in model.bodies if body.mass is not None and not body.carrier]
-        plane = _in_plane(model, across)
-        return [self._turning(plane, across, body.name, mass, lever) for body, mass in moving for lever in (LEVER, -LEVER)]
+        duration = max(float(run["time"].values[-1]) for run in motion)
+        sensors = accused(model, recordings, ERRORS)
+        moving = [body.name for body in model.bodies if not body.fixed]
+        riders = {name: [one for one in sensors if one.body == name] for name in moving}
+        return [self._rocking(model, name, own, duration) for name, own in riders.items() if own]
 
-    def _turning(self, plane: Model, across: str, name: str, mass: float, lever: float) -> Proposal:
-        never = NEVER_TURNS * mass
-        inertia = Parameter(SHARES[0] * mass, 0.01 * mass, 10.0 * never)
-        bodies = tuple(evolve(b, inertia=(inertia,)) if b.name == name else b for b in plane.bodies)
-        shift = tuple(lever if axis == across else 0.0 for axis in plane.axes)
-        joints = tuple(_aside(joint, shift) if name in joint.bodies else joint for joint in plane.joints)
-        path = f"body.{name}.inertia"
-        form = "force to the left" if lever > 0 else "force to the right"
-        starts = tuple({path: share * mass} for share in SHARES)
+    def _rocking(self, model: Model, name: str, sensors: Sequence[Accused], duration: float) -> Proposal:
+        shape = {
+            "rocking_share": Parameter(0.0, -2.0, 2.0),
+            "rocking_frequency": Parameter(1.0 / duration, FEWEST / duration, MOST / duration),
+            "rocking_damping": Parameter(0.3, 0.01, 0.95),
+        }
+        for one in sensors:
+            for error, parameter in shape.items():
+                model = with_instrument_error(model, one.instrument, one.sensor, error, parameter)
+        frequencies = [f"{one.prefix}rocking_frequency" for one in sensors]
+        starts = [turns / duration for turns in TURNS]
         return Proposal(
-            self.physics, form, {"body": name}, evolve(plane, bodies=bodies, joints=joints), (path,), {path: never}, starts
+            self.physics,
+            "rocking",
+            {"body": name},
+            model,
+            tuple(one.prefix + error for error in ERRORS for one in sensors),
+            {f"{one.prefix}rocking_share": 0.0 for one in sensors},
+            tuple(dict.fromkeys(frequencies, start) for start in starts),
         )
-
-
-def _further_axis(model: Model, recordings: Sequence[xr.DataTree]) -> str | None:
-    """An axis that the model leaves out and that every recording has, of its first state and of all instruments."""
-    groups = [group.to_dataset(inherit=False) for recording in recordings for group in recording.children.values()]
-    known = [set(group["axis"].values.tolist()) for group in groups if "axis" in group.coords]
-    if len(model.axes) > 1 or not known:
-        return None
-    return next((axis for axis in "xyz" if axis not in model.axes and all(axis in axes for axes in known)), None)
-
-
-def _in_plane(model: Model, across: str) -> Model:
-    """The same model with a second axis, in which nothing happens yet."""
-    axes = tuple(axis for axis in "xyz" if axis in (*model.axes, across))
-
-    def wide(values: Sequence[float]) -> tuple[float, ...]:
-        return tuple(values[0] if axis in model.axes else 0.0 for axis in axes)
-
-    plane = evolve(model, axes=axes, gravity=wide(model.gravity) if model.gravity else ())
-    bodies = tuple(
-        evolve(
-            body,
-            position=wide(body.position),
-            velocity=wide(body.velocity),
-            inertia=() if body.mass is None else plane_inertia(plane, body.mass.value),
-        )
-        for body in model.bodies
-    )
-    joints = []
-    for joint in model.joints:
-        points = joint.points or ((0.0,), (0.0,))
-        ends = [model.body(name).position[0] + point[0] for name, point in zip(joint.bodies, points, strict=True)]
-        # A joint on a line keeps its direction, as the contact with a face does.
-        side = 1.0 if ends[1] >= ends[0] else -1.0
-        joints.append(evolve(joint, points=(wide(points[0]), wide(points[1])), normal=wide((side,))))
-    return evolve(plane, bodies=bodies, joints=tuple(joints))
-
-
-def _aside(joint: Joint, shift: tuple[float, ...]) -> Joint:
-    """The joint, whose force passes beside the centre of mass: it acts at the second body's point."""
-    assert joint.points is not None  # as `_in_plane` makes them
-    first, second = joint.points
-    return evolve(joint, points=(first, tuple(x + move for x, move in zip(second, shift, strict=True))))

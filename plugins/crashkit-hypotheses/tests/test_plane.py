@@ -11,10 +11,9 @@ from crashkit.mechanics import Simulator, compile_engine, functions_of
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.model.checks import check_model
 from crashkit.registry import load
-from crashkit.testing import HypothesisContract, hypothesis_contract, toys
+from crashkit.testing import HypothesisContract, toys
 from crashkit_hypotheses.carried_load import CarriedLoad
 from crashkit_hypotheses.obstacle_motion import ObstacleMotion
-from crashkit_hypotheses.rotation import Rotation
 from crashkit_hypotheses.sensor_faults import Misalignment
 
 pytestmark = pytest.mark.long
@@ -47,11 +46,6 @@ def engine(car):
     held = ObstacleMotion().propose(car, [pushed(car)], [])
     models = [car, *(proposal.model for proposal in (*loaded, *held))]
     return compile_engine({f for one in models for f in functions_of(one, load().spring_laws)}, axes=2)
-
-
-@pytest.fixture(scope="module")
-def line_engine(car):
-    return compile_engine(functions_of(on_a_line(car), load().spring_laws), axes=1)
 
 
 def pushed(model):
@@ -140,76 +134,3 @@ def test_a_tilted_sensor_is_found(car, crash, engine, recorded):
     assert fits["tilt"].deviance < fits["transverse"].deviance + 10.0
     tilt = fits["tilt"].result().parameters.sel(parameter="instrument.accelerometer.car_sensor.tilt_z")
     assert abs(float(tilt["value"]) - 0.1) < 5.0 * float(tilt["std"]) < 0.05
-
-
-def on_a_line(model):
-    """The same in x alone, with all rails in one place."""
-    bodies = tuple(evolve(b, position=b.position[:1], velocity=b.velocity[:1], inertia=()) for b in model.bodies)
-    joints = tuple(evolve(j, points=tuple(p[:1] for p in j.points), normal=None) for j in model.joints)
-    return evolve(model, axes=("x",), bodies=bodies, joints=joints)
-
-
-def along(recording):
-    """What a model on a line can be compared with: the readings in x, from its own first state on."""
-    groups = {name: recording[name].to_dataset(inherit=False).sel(axis=["x"]) for name in ("film", "accelerometer")}
-    groups["accelerometer"] = groups["accelerometer"].assign_attrs(frame="laboratory")
-    return xr.DataTree.from_dict(groups)
-
-
-class TestRotation(HypothesisContract):
-    """The proposals see both axes; the readings of the model on a line, and those of its proposals, are compared in one."""
-
-    @pytest.fixture
-    def hypothesis(self):
-        return Rotation()
-
-    @pytest.fixture
-    def model(self, car):
-        return on_a_line(car)
-
-    @pytest.fixture
-    def motion(self, model, line_engine):
-        return [Simulator(model, load().spring_laws, line_engine).run(TIMES)]
-
-    @pytest.fixture
-    def recordings(self, recorded):
-        return {"run": along(recorded)}
-
-    @pytest.fixture
-    def proposals(self, hypothesis, model, motion, recorded):
-        return hypothesis.propose(model, motion, [recorded])
-
-    @pytest.fixture(autouse=True)
-    def _engines(self, engine, line_engine, monkeypatch):
-        engines, readings = {1: line_engine, 2: engine}, hypothesis_contract._readings
-        monkeypatch.setattr(hypothesis_contract, "_engine", lambda models: None)
-        monkeypatch.setattr(
-            hypothesis_contract,
-            "_readings",
-            lambda model, recordings, _: readings(model, recordings, engines[len(model.axes)]),
-        )
-
-
-def test_what_is_recorded_on_a_line_tells_of_no_rotation(car, recorded):
-    line = on_a_line(car)
-    assert Rotation().propose(line, [], [along(recorded)]) == []
-    assert Rotation().propose(car, [], [recorded]) == []
-    assert {p.location["body"] for p in Rotation().propose(line, [], [recorded])} == {"car"}
-
-
-def test_a_body_that_turns_is_found(car, engine, recorded):
-    """One rail half a metre aside: the wall stops the rail, and the car turns about it."""
-    registry, random = load(), np.random.default_rng(2)
-    workshop = evolve(installed(), engine=engine)
-    offset = evolve(car, joints=car.joints[:1])
-    record = along(toys.recording(Simulator(offset, registry.spring_laws, engine).run(TIMES)))
-    for name, quantity, std in (("film", "position", 1e-3), ("accelerometer", "acceleration", 1.0)):
-        group = record[name].to_dataset(inherit=False)
-        record[name] = xr.DataTree(group.assign({quantity: group[quantity] + random.normal(0.0, std, group[quantity].shape)}))
-    proposal = Rotation().propose(on_a_line(offset), [], [recorded])[0]
-    given = workshop.first_misfit(proposal.model, {"run": record})
-    searches = [begin(workshop.identifier, given.with_values(start)).advance(20) for start in proposal.starts]
-    search = min(searches, key=lambda search: search.state.cost)
-    inertia = search.result().parameters.sel(parameter="body.car.inertia")
-    assert search.normalised == pytest.approx(1.0, abs=0.1)
-    assert abs(float(inertia["value"]) - 2000.0) < 5.0 * float(inertia["std"]) < 500.0

@@ -127,7 +127,8 @@ def released(model, mass):
 
 def grounded(model, law, parameters):
     ground = Body("ground", (100.0,), (0.0,), fixed=True)
-    return with_joint(evolve(model, bodies=(*model.bodies, ground)), Joint("held", ("ground", "wall"), law, parameters))
+    held = Joint("held", ("ground", "wall"), law, parameters, support=True)
+    return with_joint(evolve(model, bodies=(*model.bodies, ground)), held)
 
 
 def pushed_away(model):
@@ -150,13 +151,21 @@ def ringing(model):
     return with_error(model, "front_sensor", resonance_share=1.0, resonance_frequency=120.0, resonance_damping=0.03)
 
 
+def rocking(model):
+    """The rear pitches; the marker and the sensor are not equally high."""
+    for instrument, sensor, share in (("accelerometer", "rear_sensor", 0.4), ("film", "rear_marker", -0.25)):
+        errors = {"rocking_share": share, "rocking_frequency": 9.0, "rocking_damping": 0.2}
+        model = with_error(model, sensor, instrument, **errors)
+    return model
+
+
 def drifting(model):
     return with_error(model, "rear_sensor", bias=2.0, bias_drift=30.0)
 
 
-def with_error(model, sensor, **errors):
+def with_error(model, sensor, instrument="accelerometer", **errors):
     for name, value in errors.items():
-        model = with_instrument_error(model, "accelerometer", sensor, name, Parameter(value, fixed=True))
+        model = with_instrument_error(model, instrument, sensor, name, Parameter(value, fixed=True))
     return model
 
 
@@ -180,6 +189,7 @@ CASES = {
         ("mounting_resonance", "oscillator", {"sensor": "front_sensor"}),
         {"resonance_frequency": 120.0, "resonance_damping": 0.03},
     ),
+    rocking: (("rotation", "rocking", {"body": "rear"}), {"rocking_frequency": 9.0, "rocking_damping": 0.2}),
     drifting: (("bias", "drift", {"sensor": "rear_sensor"}), {"bias": 2.0, "bias_drift": 30.0}),
 }
 

@@ -1,4 +1,4 @@
-"""Mounting resonance: the sensor as a small mass on a spring and a damper on the body."""
+"""What passes from a base to a mass on a spring and a damper: a sensor on its mounting, a body that rocks."""
 
 import numpy as np
 from numba import njit
@@ -8,13 +8,13 @@ IMAGINARY = 1e-30
 
 
 def ringing(felt: np.ndarray, times: np.ndarray, frequency: np.ndarray, damping: np.ndarray) -> np.ndarray:
-    """The acceleration of a sensor that rings on its mounting, at rest before the first sample.
+    """The acceleration of a mass that rings on its base, at rest before the first sample; or the displacement, of the base's.
 
     a = q + 2 zeta q' / w with q'' + 2 zeta w q' + w^2 q = w^2 felt, w = 2 pi frequency: what passes from a base to the mass
     on it. Exact for accelerations that are linear between samples, however far apart.
 
     Arguments:
-        felt: acceleration of the body at the sensor, (time, channel, column).
+        felt: of the base, (time, channel, column).
         times: s.
         frequency: natural frequency in Hz, (channel,).
         damping: of critical, below 1, (channel,).

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from crashkit.diagnose.cores import spread
+from crashkit.campaign import spread
 
 
 @settings(max_examples=10, deadline=None)
