@@ -10,7 +10,9 @@ from crashkit.errors import CrashkitError
 from crashkit.protocols import Observer, ParameterSpec, SensorErrors
 
 ROCKING = (
-    ParameterSpec("rocking_share", "1", "how much of the reading is a turning of the body, which rocks", -2.0, 2.0, 0.0, null=0.0),
+    ParameterSpec(
+        "rocking_share", "1", "how much of the reading is a turning of the body, which rocks", -2.0, 2.0, 0.0, null=0.0
+    ),
     ParameterSpec("rocking_frequency", "s-1", "natural frequency of that", 0.1, 200.0, 10.0, null=10.0),
     ParameterSpec("rocking_damping", "1", "its damping, of critical", 1e-3, 0.99, 0.3, null=0.3),
 )

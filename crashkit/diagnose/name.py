@@ -118,7 +118,8 @@ def fit_rivals(
     at_noise = normalised < FLOOR and not strained
     entrants = _entrants(workshop, base, scores, 1, NOISE_PROMISE if at_noise else LEAST_PROMISE)
     if strained or normalised > CONCEALED:
-        entrants += _entrants(workshop, given, _scores(workshop, given.coarse, proposals, np.inf, progress), STARTS, LEAST_PROMISE)
+        rough = _scores(workshop, given.coarse, proposals, np.inf, progress)
+        entrants += _entrants(workshop, given, rough, STARTS, LEAST_PROMISE)
     fitted = [_rival(p, search, base.deviance(residual)) for p, search in _heats(entrants, HEATS, progress)]
     ranked = sorted(fitted, key=lambda rival: -rival.evidence)
     if ranked and ranked[0].search.normalised > FLOOR:

@@ -5,7 +5,9 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
+from crashkit.campaign import spread
 from crashkit.diagnose.forces import binned, missing_force, on_joint, recorded_motion
+from crashkit.diagnose.left_out import left_out_drop
 from crashkit.diagnose.name import Rival
 from crashkit.diagnose.result import place_of
 from crashkit.diagnose.rounds import Discovery
@@ -15,19 +17,33 @@ from crashkit.misfit import Misfit
 from crashkit.model import Model
 from crashkit.protocols import Identification, ParameterSpec, Proposal
 
+LEADING = 3
+"""Rivals of each round that are also asked for runs that they have not seen."""
+
 
 def ranking_table(discovery: Discovery) -> xr.Dataset:
-    """Every rival that was fitted, round by round."""
+    """Every rival that was fitted, round by round; the first few also with how they predict runs that are left out."""
     looks = [*discovery.rounds, *([discovery.last] if discovery.last else [])]
+    leading = [(number, look.before, r) for number, look in enumerate(looks) for r in look.rivals[:LEADING]]
+    drops = spread(lambda one: left_out_drop(one[1], one[2].search), leading)
+    predicted = {(number, r.identity): drop for (number, _, r), drop in zip(leading, drops, strict=True)}
     rows = [
-        (r.proposal.physics, r.proposal.form, place_of(r.proposal.location), number, len(r.proposal.parameters), r.drop, p)
-        for number, look in enumerate(looks, start=1)
+        (
+            r.proposal.physics,
+            r.proposal.form,
+            place_of(r.proposal.location),
+            number + 1,
+            len(r.proposal.parameters),
+            r.drop,
+            p,
+            predicted.get((number, r.identity), np.nan),
+        )
+        for number, look in enumerate(looks)
         for r, p in zip(look.rivals, look.probabilities, strict=True)
     ]
-    names = ("physics", "form", "place", "round", "parameters", "misfit_drop", "probability")
+    names = ("physics", "form", "place", "round", "parameters", "misfit_drop", "probability", "left_out_drop")
     columns = list(zip(*rows, strict=True)) if rows else [()] * len(names)
-    table = xr.Dataset({name: ("hypothesis", np.array(column)) for name, column in zip(names, columns, strict=True)})
-    return table.assign(left_out_drop=("hypothesis", np.full(len(rows), np.nan)))
+    return xr.Dataset({name: ("hypothesis", np.array(column)) for name, column in zip(names, columns, strict=True)})
 
 
 def limits_table(workshop: Workshop, discovery: Discovery) -> xr.Dataset:

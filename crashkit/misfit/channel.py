@@ -47,9 +47,7 @@ class Group:
     channels: tuple[Channel, ...]
 
 
-def groups_of(
-    run: str, recording: xr.DataTree, observers: Mapping[str, type[Observer]], model: Model
-) -> Iterator[Group]:
+def groups_of(run: str, recording: xr.DataTree, observers: Mapping[str, type[Observer]], model: Model) -> Iterator[Group]:
     """The instruments of a recording that watch the model's bodies; of those on a line, along that line.
 
     Raises:

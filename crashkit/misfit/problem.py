@@ -214,9 +214,7 @@ class Misfit:
         """The same misfit over some of the runs."""
         chosen = {run: self.recordings[run] for run in runs}
         copy = object.__new__(Misfit)
-        copy._setup(
-            self.model, chosen, [g for g in self.groups if g.run in chosen], self.simulator, prior=self.prior
-        )
+        copy._setup(self.model, chosen, [g for g in self.groups if g.run in chosen], self.simulator, prior=self.prior)
         return copy
 
     @cached_property

@@ -105,6 +105,11 @@ def test_the_ranking_begins_with_the_finding(bias):
     assert float(first["misfit_drop"]) == float(bias.ranking["misfit_drop"].sel(hypothesis=bias.ranking["round"] == 1).max())
 
 
+def test_what_was_found_predicts_the_runs_that_are_left_out(bias):
+    first = bias.ranking.isel(hypothesis=0)
+    assert float(first["left_out_drop"]) == pytest.approx(float(first["misfit_drop"]), rel=0.3)
+
+
 def test_the_summary_tells_the_finding_in_words(bias):
     assert "an instrument is wrong, not the structure" in bias.summary
     assert "sensor front_sensor has an offset; bias" in bias.summary

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from attrs import evolve
 
-from crashkit.diagnose.finding import estimates, experiment, is_there, make_finding, stand_ins
+from crashkit.diagnose.finding import estimates, experiment, make_finding, stand_ins
 from crashkit.diagnose.rounds import run_drops
 from crashkit.protocols import Identification, Proposal, Status
 
@@ -110,10 +110,3 @@ def test_imitations_at_one_place_are_told_as_one_unknown_force(workshop):
     assert told.time == pytest.approx((0.01, 0.09))
     assert told.runs == ("a", "b")
     assert told.sentence == "joint front carries a force that none of the known physics explains"
-
-
-@pytest.mark.parametrize(("value", "there"), [(0.1, False), (-0.29, False), (0.31, True), (-5.0, True)])
-def test_a_size_within_three_deviations_of_nothing_is_nothing(value, there):
-    proposal = Proposal("bias", "constant", {"sensor": "a"}, None, ("bias",), {"bias": 0.0})
-    table = xr.Dataset({"value": ("parameter", [value]), "std": ("parameter", [0.1])}, coords={"parameter": ["bias"]})
-    assert is_there(SimpleNamespace(proposal=proposal), SimpleNamespace(parameters=table)) is there

@@ -59,7 +59,10 @@ def plane() -> Model:
             ),
             Body("load", (-0.5, 1.0), (10.0, 0.0), Parameter(30.0), inertia=(Parameter(2.0),)),
         ),
-        (Joint("face", ("barrier", "box"), "linear", {}, normal=(-1.0, 0.0)), Joint("line", ("box", "load"), "linear", {}, support=True)),
+        (
+            Joint("face", ("barrier", "box"), "linear", {}, normal=(-1.0, 0.0)),
+            Joint("line", ("box", "load"), "linear", {}, support=True),
+        ),
         gravity=(0.0, -9.81),
     )
 

@@ -11,7 +11,7 @@ from crashkit.mechanics import Simulator, compile_engine, functions_of
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.model.checks import check_model
 from crashkit.registry import load
-from crashkit.testing import HypothesisContract, toys
+from crashkit.testing import HypothesisContract, hypothesis_contract, toys
 from crashkit_hypotheses.carried_load import CarriedLoad
 from crashkit_hypotheses.obstacle_motion import ObstacleMotion
 from crashkit_hypotheses.sensor_faults import Misalignment

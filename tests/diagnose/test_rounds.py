@@ -1,0 +1,62 @@
+"""What the final fit can spare is not told, and what it cannot spare is."""
+
+import numpy as np
+import pytest
+
+from crashkit.diagnose.left_out import left_out_drop
+from crashkit.diagnose.name import Rival
+from crashkit.diagnose.reidentify import reidentify
+from crashkit.diagnose.rounds import Round, needed
+from crashkit.diagnose.search import begin
+from crashkit.model import Joint, Parameter
+from crashkit.model.edit import with_joint
+
+
+@pytest.fixture
+def offered(workshop, model, misfit, recorded):
+    """A model without a dashpot, and with the one that was proposed, both fitted to two runs of the true one."""
+
+    def offer(damping):
+        dashpot = {"damping": damping, "clearance": 0.0, "engagement": 1e-3}
+        fixed = {name: Parameter(value, fixed=True) for name, value in dashpot.items()}
+        true = with_joint(model, Joint("dashpot", ("wall", "front"), "viscous", fixed))
+        given = misfit(model, slow=recorded(true, 0.9, 1), fast=recorded(true, 1.2, 2))
+        base = begin(workshop.identifier, given).advance(40)
+        motion = [given.predictor.motion(run, given.values(base.point)) for run in given.recordings]
+        kind = workshop.hypotheses["viscous_damping"]()
+        proposal = kind.propose(base.fitted().model, motion, list(given.recordings.values()))[0]
+        final = begin(workshop.identifier, workshop.misfit(base.fitted(), proposal.model)).advance(40)
+        look = Round((Rival(proposal, final, base.deviance - final.deviance, 0.0),), (1.0,), 0.0, base.fitted())
+        return look, base, final
+
+    return offer
+
+
+def test_a_finding_that_the_fit_can_spare_is_dropped(workshop, offered):
+    look, base, final = offered(0.0)
+    kept, _, without = needed(workshop, (look,), base, final)
+    assert kept == ()
+    assert without.misfit.names == base.misfit.names
+
+
+def test_a_finding_that_the_fit_needs_is_kept(workshop, offered):
+    look, base, final = offered(800.0)
+    assert needed(workshop, (look,), base, final) == ((look,), base, final)
+
+
+def test_physics_that_is_there_predicts_runs_that_were_left_out(offered):
+    look, base, final = offered(800.0)
+    assert left_out_drop(base.fitted(), final) > 0.5 * look.rivals[0].drop > 100.0
+
+
+def test_one_run_leaves_nothing_to_predict(offered):
+    _, base, final = offered(800.0)
+    assert np.isnan(left_out_drop(base.fitted().with_recordings(("slow",)), final))
+
+
+def test_the_given_model_is_found_again_from_far_away(workshop, model, misfit, recorded):
+    """Thresholds twice as large as they are, from which steps downhill end elsewhere."""
+    far = model.with_values({path: 2.0 * p.value for path, p in model.free_parameters().items()})
+    given = misfit(far, slow=recorded(model, 0.9, 1), fast=recorded(model, 1.2, 2))
+    search = reidentify(workshop.identifier, workshop.finder, given)
+    assert search.normalised == pytest.approx(1.0, abs=0.05)
