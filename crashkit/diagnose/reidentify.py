@@ -18,6 +18,8 @@ SCATTER = 0.07
 """Relative scatter of the starts about the given values."""
 HEATS = ((10, 6), (4, 10), (2, STEPS))
 """How many starts enter each heat, and how many steps each gets there."""
+REFINING = ((12, 8), (4, STEPS))
+"""The same about values that are already good."""
 
 
 def reidentify(identifier: Identifier[Any], finder: Identifier[Any], misfit: Misfit) -> Search:
@@ -51,8 +53,11 @@ def _found(finder: Identifier[Any], misfit: Misfit) -> np.ndarray:
 
 
 def refine(identifier: Identifier[Any], misfit: Misfit) -> Search:
-    """The fit from values that are already good."""
-    return begin(identifier, misfit).advance(STEPS)
+    """The fit from values that are already good, and from others about them: a better optimum may be near."""
+    searches = begin_all(identifier, scattered(misfit, REFINING[0][0]))
+    for size, steps in REFINING:
+        searches = advance_all(sorted(searches, key=lambda search: search.deviance)[:size], steps)
+    return min(searches, key=lambda search: search.deviance)
 
 
 def _best_of_many(identifier: Identifier[Any], misfit: Misfit) -> np.ndarray:
