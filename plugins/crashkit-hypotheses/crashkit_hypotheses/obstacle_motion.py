@@ -15,8 +15,6 @@ LIGHT, HEAVY = 0.05, 100.0
 """Masses that an obstacle may have, in masses of what runs into it."""
 NEVER = 1e3
 """m, a deformation out of reach."""
-SHARES = (0.5, 5.0)
-"""Masses to start from, likewise."""
 SLIP_RATE = 0.1
 """m s-1, at which sliding is established: what is slower is followed too slowly to be stable."""
 
@@ -68,7 +66,7 @@ def _sliding(model: Model, name: str, mass: float, force: float) -> Proposal:
         "friction_force": Parameter(0.5 * force, 1e-3 * force, 10.0 * force),
         "slip_rate": Parameter(SLIP_RATE, fixed=True),
     }
-    starts = grid(mass=[share * mass for share in SHARES], friction_force=(0.15 * force, 0.5 * force))
+    starts = _starts(mass, "friction_force", force, ((0.5, 0.15), (0.5, 0.5), (5.0, 0.5), (5.0, 0.9)))
     return _moving(model, name, "sliding", mass, "coulomb", friction, starts)
 
 
@@ -78,7 +76,7 @@ def _sprung(model: Model, name: str, mass: float, force: float) -> Proposal:
         "damping": Parameter(0.0, 0.0, 10.0 * force),
         "slack": Parameter(0.0, fixed=True),
     }
-    starts = grid(mass=[share * mass for share in SHARES], stiffness=(5.0 * force, 50.0 * force))
+    starts = _starts(mass, "stiffness", force, ((0.5, 5.0), (0.5, 50.0), (5.0, 50.0), (5.0, 500.0)))
     return _moving(model, name, "sprung", mass, "tie", spring, starts)
 
 
@@ -90,8 +88,13 @@ def _crushing(model: Model, name: str, mass: float, force: float) -> Proposal:
         "densification_stiffness": Parameter(force, fixed=True),
         "unloading_stiffness": Parameter(200.0 * force, force, 1e5 * force),
     }
-    starts = grid(mass=[share * mass for share in SHARES], elastic_stiffness=(5.0 * force, 50.0 * force))
+    starts = _starts(mass, "elastic_stiffness", force, ((0.5, 50.0), (5.0, 50.0), (5.0, 500.0)))
     return _moving(model, name, "crushing", mass, "crush_plateau", base, starts)
+
+
+def _starts(mass: float, name: str, force: float, shares: Sequence[tuple[float, float]]) -> list[dict[str, float]]:
+    """From an obstacle that is easily moved to one that hardly moves, as the given one."""
+    return [{"mass": heavy * mass, name: strong * force} for heavy, strong in shares]
 
 
 def _moving(
