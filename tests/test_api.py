@@ -1,6 +1,7 @@
 """The functions behind the command line, on files: what they write, and how bad input ends."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -77,7 +78,7 @@ def test_an_identified_model_is_written(given, tmp_path, capsys):
     assert main(line) == 0
     out = capsys.readouterr().out
     assert out.startswith("converged")
-    assert "joint.first.crush_force: 240" in out or "joint.first.crush_force: 239" in out
+    assert re.search(r"joint.first.crush_force +2(40|39)", out)
     found = api.load_model(tmp_path / "found.toml").parameters()["joint.first.crush_force"].value
     assert found == pytest.approx(24000.0, rel=0.01)
 

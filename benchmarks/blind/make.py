@@ -3,17 +3,13 @@
 DIR/cases/NAME holds what a diagnosis may see, DIR/answers/NAME.json what was concealed: sealed, or with `--open` to be read.
 """
 
-import base64
-import json
-import zlib
 from argparse import ArgumentParser
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from benchmarks.blind.case import EFFECTS, make_case, write_case
 from benchmarks.blind.plan import SHARES, Ticket, plan
-from benchmarks.blind.size import SIZES
+from crashkit.testing.concealed import EFFECTS, SIZES, make_case, write_answer, write_case
 
 ATTEMPTS = 5
 """How many seeds are tried for a ticket: not every pair or size can be had."""
@@ -39,8 +35,7 @@ def add_choices(parser: ArgumentParser) -> None:
     """The options that say which cases are made."""
     parser.add_argument("--cases", metavar="N", type=int, default=20, help="how many (%(default)s)")
     parser.add_argument("--seed", metavar="N", type=int, default=0, help="of everything random (%(default)s)")
-    names = ("null", "pair", *EFFECTS)
-    assert set(SHARES) <= set(names)
+    names = (*SHARES, *EFFECTS)
     parser.add_argument("--only", metavar="PHYSICS", nargs="+", choices=names, default=(), help="of " + ", ".join(names))
     parser.add_argument("--sizes", nargs="+", choices=SIZES, default=tuple(SIZES), help="how visible (all)")
 
@@ -53,26 +48,8 @@ def make(ticket: Ticket, folder: Path) -> dict[str, Any] | None:
         except ValueError:
             continue
         write_case(case, folder)
-        return case.truth
+        return case.answer
     return None
-
-
-def write_answer(answer: dict[str, Any], path: Path, sealed: bool = True) -> None:
-    """Write an answer; sealed, it cannot be read by accident."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    text = json.dumps(answer, indent=1)
-    if sealed:
-        text = json.dumps({"sealed": base64.b64encode(zlib.compress(text.encode())).decode()})
-    path.write_text(text + "\n", encoding="utf-8")
-
-
-def read_answer(path: Path) -> dict[str, Any]:
-    """An answer, sealed or not."""
-    answer: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    if "sealed" not in answer:
-        return answer
-    opened: dict[str, Any] = json.loads(zlib.decompress(base64.b64decode(answer["sealed"])))
-    return opened
 
 
 if __name__ == "__main__":

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from attrs import frozen
 
-from benchmarks.blind.case import EFFECTS
-from benchmarks.blind.size import SIZES
+from crashkit.testing.concealed import EFFECTS, SIZES
 
 SHARES = {"null": 0.15, "pair": 0.15}
 """Of the cases; the others conceal one physics each, all equally often."""

@@ -53,8 +53,9 @@ def score(diagnosis: Mapping[str, Any], truth: Mapping[str, Any]) -> Score:
     found = [_located(finding) for finding in findings]
     listed = found + [_located(rival) for finding in findings for rival in finding.get("alternatives", ())]
     together = bool(truth["all"])
+    there = [claim for claim in found if claim in wanted]
     return Score(
-        verdict_right=diagnosis["verdict"] in verdicts(wanted, together),
+        verdict_right=diagnosis["verdict"] in verdicts(wanted if together else there or wanted, together),
         physics_right=_met([claim[0] for claim in wanted], [claim[0] for claim in found], together),
         place_right=_met(wanted, found, together),
         spurious=tuple(words(claim) for claim in found if claim not in wanted),
@@ -64,7 +65,7 @@ def score(diagnosis: Mapping[str, Any], truth: Mapping[str, Any]) -> Score:
 
 
 def verdicts(wanted: Sequence[Claim], together: bool) -> set[str]:
-    """The right verdicts: of several secrets at once the structural ones decide, of rivals each is right."""
+    """The right verdicts: of several secrets at once the structural ones decide, of rivals each has its own."""
     if not wanted:
         return {"consistent"}
     return {_verdict(wanted)} if together else {_verdict([claim]) for claim in wanted}

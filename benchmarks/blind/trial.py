@@ -13,9 +13,10 @@ from typing import Any
 
 from attrs import asdict, frozen
 
-from benchmarks.blind.make import make, read_answer, write_answer
+from benchmarks.blind.make import make
 from benchmarks.blind.plan import Ticket
 from benchmarks.blind.score import score
+from crashkit.testing.concealed import read_answer, write_answer
 
 Record = dict[str, Any]
 """What is known of one case at the end; one line of the file of results."""

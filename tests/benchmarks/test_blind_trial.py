@@ -57,6 +57,7 @@ def test_right_answers(answer, secret):
         (said("missing_physics", finding("bottoming", "joint", "front")), truth(RATE), {"physics", "place"}),
         (said("missing_physics", finding(*RATE)), truth(BIAS, RATE, together=True), {"physics", "place"}),
         (said("unexplained", finding(*RATE), finding(*UNKNOWN)), truth(RATE), {"verdict"}),
+        (said("missing_physics", finding(*BIAS)), truth(BIAS, RATE), {"verdict"}),
     ],
 )
 def test_wrong_answers(answer, secret, wrong):

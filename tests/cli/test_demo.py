@@ -11,7 +11,7 @@ import pytest
 from crashkit import api, demo
 from crashkit.model.toml import read_model
 from crashkit.registry import load
-from crashkit.testing.concealed import open_seal
+from crashkit.testing.concealed import SIZES, read_answer
 
 SEED = 6
 conceal = cache(demo.conceal)
@@ -27,7 +27,7 @@ def answer(*findings: SimpleNamespace) -> SimpleNamespace:
 
 def truth(physics: str, kind: str, place: object, *rivals: list) -> dict:
     secret = {"physics": physics, "form": "line", "kind": kind, "place": place}
-    return {"accept": [[physics, kind, place], *rivals], "secret": {"effects": [secret]}}
+    return {"accept": [[physics, kind, place], *rivals], "secrets": [secret]}
 
 
 @pytest.fixture
@@ -55,21 +55,22 @@ def test_what_is_diagnosed_is_a_model_three_runs_and_one_held_out(tmp_path, diag
 
 def test_the_secret_lies_sealed_beside_the_recordings(tmp_path, diagnosed):
     demo.run(SEED, tmp_path, False, print)
-    assert list(json.loads((tmp_path / "case" / "truth.json").read_text())) == ["sealed"]
-    assert open_seal(tmp_path / "case")["secret"]["effects"]
+    path = tmp_path / "case" / "answer.json"
+    assert list(json.loads(path.read_text())) == ["sealed"]
+    assert read_answer(path)["secrets"]
 
 
 @pytest.mark.parametrize("seed", [SEED, SEED + 1])
 def test_the_secret_is_one_that_an_installed_hypothesis_names_and_plain_to_see(seed):
-    [effect] = conceal(seed).truth["secret"]["effects"]
-    assert effect["physics"] in load().hypotheses
-    assert effect["physics"] != "unknown"
-    assert effect["sigmas_after_tuning"] > 60
+    [secret] = conceal(seed).answer["secrets"]
+    assert secret["physics"] in load().hypotheses
+    assert secret["physics"] not in demo.NOT_SHOWN
+    assert secret["left"] > SIZES["middle"][0]
 
 
 def test_each_seed_has_a_secret_of_its_own_and_can_be_repeated():
-    secret = demo.conceal(SEED).truth["secret"]
-    assert secret == conceal(SEED).truth["secret"] != conceal(SEED + 1).truth["secret"]
+    secrets = demo.conceal(SEED).answer["secrets"]
+    assert secrets == conceal(SEED).answer["secrets"] != conceal(SEED + 1).answer["secrets"]
 
 
 def test_without_a_seed_one_is_drawn_and_told(tmp_path, diagnosed, monkeypatch):

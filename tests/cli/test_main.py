@@ -73,8 +73,6 @@ def test_diagnose_can_be_repeated_without_runs_held_out(api):
 
 CALLS = {
     "simulate m.toml --duration 0.1 --output s.nc": ("simulate_file", MODEL, 0.1, Path("s.nc")),
-    "identify m.toml 1.nc 2.nc --output i.toml": ("identify_files", MODEL, [RUN_1, RUN_2], "multi_start", Path("i.toml")),
-    "identify m.toml 1.nc --method adjoint --output i.toml": ("identify_files", MODEL, [RUN_1], "adjoint", Path("i.toml")),
     "import nhtsa dir --list": ("list_channels", "nhtsa", Path("dir")),
     "import nhtsa dir --output r.nc --channel 1+2=wall:cell --channel 3=car --option window=0:0.1": (
         "import_recording",
@@ -106,7 +104,7 @@ def test_a_command_hands_its_arguments_on_and_prints_the_answer(api, capsys, lin
     assert capsys.readouterr().out == "the answer\n"
 
 
-@pytest.mark.parametrize("line", ["diagnose m.toml 1.nc --output out", "identify m.toml 1.nc --output o", "demo"])
+@pytest.mark.parametrize("line", ["diagnose m.toml 1.nc --output out", "demo"])
 def test_progress_goes_to_stderr(api, capsys, line):
     api.answer = SimpleNamespace(summary="")
     main(line.split())

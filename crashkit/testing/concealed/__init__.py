@@ -1,5 +1,12 @@
-"""Cases with concealed physics, for a demonstration and for blind trials; shares no code with the engine."""
+"""Cases with concealed physics: a vehicle, its tests and its secret, from a world that shares nothing with the engine.
 
-from crashkit.testing.concealed.case import PHYSICS, SIZES, Case, make_case, open_seal, write_case
+`make_case` draws a vehicle, conceals effects in it at a chosen size and records its tests; `write_case` writes what a
+diagnosis may see, `write_answer` what it must find.
+"""
 
-__all__ = ["PHYSICS", "SIZES", "Case", "make_case", "open_seal", "write_case"]
+from crashkit.testing.concealed.answer import read_answer, write_answer
+from crashkit.testing.concealed.case import Case, make_case, write_case
+from crashkit.testing.concealed.draft import EFFECTS
+from crashkit.testing.concealed.size import SIZES
+
+__all__ = ["EFFECTS", "SIZES", "Case", "make_case", "read_answer", "write_answer", "write_case"]

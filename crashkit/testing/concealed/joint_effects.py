@@ -1,187 +1,186 @@
-"""Secrets of a joint, each in more than one functional form."""
+"""Secrets of a joint, each in several functional forms."""
 
-from collections.abc import Callable, Mapping
+import math
 
 from attrs import evolve
 
-from crashkit.testing.concealed.effect import Answer, Effect, Stage
-from crashkit.testing.concealed.vehicle import Scene
-
-
-def _in_joint(
-    physics: str,
-    form: str,
-    joint: str,
-    fields: Mapping[str, float],
-    scaled: str | tuple[str, ...],
-    limits: tuple[float, float] = (0.02, 4.0),
-) -> Effect:
-    scaled = (scaled,) if isinstance(scaled, str) else scaled
-
-    def change(scene: Scene, numbers: Mapping[str, float]) -> None:
-        scene.world.joints[joint].fields.update(numbers)
-
-    return Effect(physics, form, "joint", joint, fields, change, scaled, limits)
+from crashkit.testing.concealed.effect import Effect, Maker, Stage, one_term
+from crashkit.testing.concealed.kinds import Kind
+from crashkit.testing.concealed.scene import Scene
+from crashkit.testing.concealed.world import Term
 
 
 def rate_dependence(stage: Stage) -> Effect:
-    """The force level rises with the rate: in proportion, as a power (Cowper-Symonds) or as a logarithm (Johnson-Cook)."""
-    joint, form = stage.joint(), stage.one_of(("linear", "power", "logarithm"))
-    if form == "linear":
-        return _in_joint("rate_dependence", form, joint, {"rate_linear": 0.02}, "rate_linear")
-    if form == "power":
-        fields = {"rate_power_size": 0.3, "rate_power": stage.rng.uniform(0.15, 0.6)}
-        return _in_joint("rate_dependence", form, joint, fields, "rate_power_size")
-    fields = {"rate_log_size": 0.1, "rate_log_reference": stage.rng.uniform(0.1, 2.0)}
-    return _in_joint("rate_dependence", form, joint, fields, "rate_log_size")
+    """The force level rises with the rate: in proportion, as a power, as Eyring's inverse sine, or up to a limit."""
+    joint, form = stage.joint(), stage.form("linear", "power", "eyring", "saturating")
+    kind, numbers = {
+        "linear": (Kind.RATE_LINEAR, (0.03,)),
+        "power": (Kind.RATE_POWER, (0.3, 10.0, stage.among(0.15, 0.7))),
+        "eyring": (Kind.RATE_EYRING, (0.08, stage.among(0.05, 1.0))),
+        "saturating": (Kind.RATE_SATURATING, (0.4, stage.among(0.2, 0.6) * stage.fastest(joint))),
+    }[form]
+    return one_term("rate_dependence", form, joint, kind, numbers)
 
 
 def viscous_damping(stage: Stage) -> Effect:
-    """A damper beside the spring: linear or quadratic while they touch, or a strut that also pulls."""
-    joint = stage.joint()
-    form = stage.one_of(("linear", "quadratic", "strut") if stage.is_mount(joint) else ("linear", "quadratic"))
-    force, rate = 0.3 * stage.field(joint, "crush_force"), max(stage.fastest(joint), 1.0)
-    if form == "quadratic":
-        return _in_joint("viscous_damping", form, joint, {"damping_quadratic": force / rate**2}, "damping_quadratic")
-    fields = {"damping": force / rate, "damping_always": float(form == "strut")}
-    return _in_joint("viscous_damping", form, joint, fields, "damping")
+    """A damper beside the spring: linear, an orifice, a seal; while they touch, or for a mount always."""
+    joint, form = stage.joint(), stage.form("linear", "orifice", "seal")
+    power = {"linear": 1.0, "orifice": stage.among(1.6, 2.0), "seal": stage.among(0.6, 0.8)}[form]
+    always = stage.is_mount(joint) and stage.rng.random() < 0.5
+    coefficient = 0.3 * stage.true(joint).level() / max(stage.fastest(joint), 0.5) ** power
+    return one_term("viscous_damping", form, joint, Kind.DAMP_ALWAYS if always else Kind.DAMP_TOUCHING, (coefficient, power))
 
 
 def plastic_unloading(stage: Stage) -> Effect:
-    """The model's joint is elastic, the true one (or a part of it) unloads along a steep line or a curve."""
-    joint, form = stage.joint(), stage.one_of(("line", "curve"))
-    stiffness = stage.field(joint, "elastic_stiffness") * stage.rng.uniform(2.0, 8.0)
-    stage.scene.world.joints[joint].fields.pop("unloading_stiffness", None)  # what the model believes
-    power = 1.0 if form == "line" else stage.rng.uniform(1.5, 3.0)
-    fields = {"unloading_stiffness": stiffness, "unloading_power": power, "plastic_share": 1.0}
-    return _in_joint("plastic_unloading", form, joint, fields, "plastic_share", (0.6, 1.0))
+    """The model's joint is elastic, a share of the true one unloads along a line, an exponential, or two lines."""
+    joint, form = stage.joint(), stage.form("line", "fading", "two_lines")
+    spring = stage.true(joint)
+    stiffness = spring.parameters.pop("unloading_stiffness")  # what the model believes
+    kind, numbers = {
+        "line": (Kind.UNLOAD_LINE, (1.0, stiffness)),
+        "fading": (Kind.UNLOAD_FADE, (1.0, spring.level() / stiffness)),
+        "two_lines": (Kind.UNLOAD_TWO, (1.0, stiffness, stiffness * stage.among(0.2, 0.5))),
+    }[form]
+    return one_term("plastic_unloading", form, joint, kind, numbers, (1.0 if stage.plain else 0.02, 1.0))
 
 
 def clearance(stage: Stage) -> Effect:
-    """The joint engages after a gap, sharply or softly."""
-    joint, form = stage.joint(), stage.one_of(("sharp", "soft"))
-    gap = stage.rng.uniform(0.1, 0.4) * stage.deepest(joint)
-    fields = {"gap": gap, "gap_softness": gap * stage.rng.uniform(0.1, 0.25) * (form == "soft")}
-    return _in_joint("clearance", form, joint, fields, ("gap", "gap_softness"), (0.05, 2.0))
+    """The joint engages after a gap, at once or over a toe."""
+    joint, form = stage.joint(), stage.form("gap", "toe")
+    gap = stage.among(0.1, 0.4) * stage.deepest(joint)
+    toe = stage.among(0.1, 0.4) * gap
+    if form == "gap":
+        return one_term("clearance", form, joint, Kind.GAP, (gap,), (0.03, 2.0))
+    return one_term("clearance", form, joint, Kind.TOE, (gap, toe), (0.03, 2.0))
 
 
 def peak_load(stage: Stage) -> Effect:
-    """An undeformed member buckles: a peak where the plateau begins, with a point or rounded."""
-    joint, form = stage.joint(), stage.one_of(("triangle", "round"))
-    fields = {
-        "peak_force": 0.5 * stage.field(joint, "crush_force"),
-        "peak_deformation": stage.elastic_limit(joint) * stage.rng.uniform(0.9, 1.2),
-        "peak_width": stage.elastic_limit(joint) * stage.rng.uniform(0.3, 0.8),
-        "peak_round": float(form == "round"),
-    }
-    return _in_joint("peak_load", form, joint, fields, "peak_force")
+    """An undeformed member buckles: a peak where the plateau begins, with a point, a bell, or one that dies slowly."""
+    joint, form = stage.joint(), stage.form("triangle", "bump", "bell")
+    force, peak = 0.6 * stage.true(joint).level(), stage.true(joint).elastic_limit() * stage.among(0.85, 1.15)
+    width = peak * stage.among(0.25, 0.7)
+    kind, numbers = {
+        "triangle": (Kind.PEAK_TRIANGLE, (force, peak, width)),
+        "bump": (Kind.PEAK_BUMP, (force, peak)),
+        "bell": (Kind.PEAK_BELL, (force, peak, width)),
+    }[form]
+    return one_term("peak_load", form, joint, kind, numbers)
 
 
 def progressive_folding(stage: Stage) -> Effect:
-    """The plateau oscillates: a sine, a zigzag, or folds that die away."""
-    joint, form = stage.joint(), stage.one_of(("sine", "zigzag", "fading"))
-    span = max(stage.deepest(joint) - stage.elastic_limit(joint), 0.01)
-    fields = {
-        "fold_force": 0.25 * stage.field(joint, "crush_force"),
-        "fold_length": span / stage.rng.uniform(2.0, 6.0),
-        "fold_start": stage.elastic_limit(joint),
-        "fold_sharp": float(form == "zigzag"),
-    }
-    if form == "fading":
-        fields["fold_decay"] = span * stage.rng.uniform(0.4, 1.0)
-    return _in_joint("progressive_folding", form, joint, fields, "fold_force", (0.02, 3.0))
+    """The plateau oscillates: a sine, a saw, arches, or folds that get shorter."""
+    joint, form = stage.joint(), stage.form("sine", "saw", "arches", "shortening")
+    start = stage.true(joint).elastic_limit()
+    length = max(stage.deepest(joint) - start, 0.05 * start) / stage.among(2.0, 6.0)
+    kind = {
+        "sine": Kind.FOLD_SINE,
+        "saw": Kind.FOLD_SAW,
+        "arches": Kind.FOLD_ARCHES,
+        "shortening": Kind.FOLD_CHIRP,
+    }[form]
+    numbers = (0.25 * stage.true(joint).level(), length, start, 0.08)
+    return one_term("progressive_folding", form, joint, kind, numbers, (0.02, 3.0))
 
 
 def bottoming(stage: Stage) -> Effect:
-    """The joint stiffens beyond a deformation that the faster runs reach: a line, a parabola or a steep power."""
-    joint, form = stage.joint(), stage.one_of(("line", "parabola", "power"))
-    deepest = stage.deepest(joint)
-    start = deepest * stage.rng.uniform(0.5, 0.85)
-    power = {"line": 1.0, "parabola": 2.0, "power": stage.rng.uniform(3.0, 5.0)}[form]
-    fields = {
-        "bottom_force": 2.0 * stage.field(joint, "crush_force"),
-        "bottom_deformation": start,
-        "bottom_reference": deepest - start,
-        "bottom_power": power,
-    }
-    return _in_joint("bottoming", form, joint, fields, "bottom_force", (0.02, 10.0))
+    """The joint stiffens beyond a deformation that the faster runs reach: a line, a parabola, a pole or an exponential."""
+    joint, form = stage.joint(), stage.form("line", "parabola", "pole", "exponential")
+    deepest, force = stage.deepest(joint), 2.0 * stage.true(joint).level()
+    start = deepest * stage.among(0.55, 0.85)
+    rest = deepest - start
+    kind, numbers = {
+        "line": (Kind.STOP_LINE, (force / rest, start)),
+        "parabola": (Kind.STOP_PARABOLA, (force, start, rest)),
+        "pole": (Kind.STOP_POLE, (0.5 * force, start, 1.5 * rest)),
+        "exponential": (Kind.STOP_EXPONENTIAL, (0.2 * force, start, 0.5 * rest)),
+    }[form]
+    return one_term("bottoming", form, joint, kind, numbers, (0.01, 10.0))
 
 
 def fracture(stage: Stage) -> Effect:
-    """Part of the force is lost for good, at once or over a stretch."""
-    joint, form = stage.joint(), stage.one_of(("sudden", "gradual"))
-    fields = {
-        "fracture_loss": 0.5,
-        "fracture_deformation": stage.deepest(joint) * stage.rng.uniform(0.3, 0.8),
-        "fracture_width": 1e-3 if form == "sudden" else stage.deepest(joint) * stage.rng.uniform(0.1, 0.3),
-    }
-    return _in_joint("fracture", form, joint, fields, "fracture_loss", (0.1, 2.0))
+    """Part of the force is lost for good: at once, over a stretch, or in two steps."""
+    joint, form = stage.joint(), stage.form("sudden", "ramp", "twice")
+    kind = {"sudden": Kind.BREAK_SUDDEN, "ramp": Kind.BREAK_RAMP, "twice": Kind.BREAK_TWICE}[form]
+    deepest = stage.deepest(joint)
+    numbers = (0.5, deepest * stage.among(0.3, 0.8), deepest * stage.among(0.08, 0.2))
+    return one_term("fracture", form, joint, kind, numbers, (0.05, 2.0))
 
 
 def tension(stage: Stage) -> Effect:
-    """The joint also pulls: like a spring, or up to a limit."""
-    joint, form = stage.joint(), stage.one_of(("spring", "limited"))
-    stiffness = stage.field(joint, "elastic_stiffness")
-    if form == "spring":
-        return _in_joint("tension", form, joint, {"tension_stiffness": 0.5 * stiffness}, "tension_stiffness")
-    fields = {"tension_stiffness": stiffness, "tension_limit": 0.3 * stage.field(joint, "crush_force")}
-    return _in_joint("tension", form, joint, fields, "tension_limit")
+    """The joint also pulls: its own line goes on below zero, or a strap, with slack or up to a limit."""
+    joint, form = stage.joint(), stage.form("law", "strap", "slack_strap", "limited_strap")
+    spring = stage.true(joint)
+    if form == "law":
+        return one_term("tension", form, joint, Kind.PULL_LAW, (1.0,), (0.002, 1.0))
+    slack = 0.3 * spring.elastic_limit() if form == "slack_strap" else 0.0
+    limit = 0.3 * spring.level() if form == "limited_strap" else math.inf
+    stiffness = 0.5 * spring.level() / spring.elastic_limit()
+    return one_term("tension", form, joint, Kind.PULL_STRAP, (stiffness, slack, limit))
 
 
 def relaxation(stage: Stage) -> Effect:
-    """Part of the force fades: a Maxwell branch beside the spring, or a fading share of the spring's own force."""
-    joint, form = stage.joint(), stage.one_of(("maxwell", "fading_share"))
-    time = stage.rng.uniform(0.003, 0.03)
+    """Part of the force fades: a Maxwell branch, two of them, or the fresh part of the spring's own force."""
+    joint, form = stage.joint(), stage.form("maxwell", "two_branches", "fresh_part")
+    spring, times = stage.true(joint), sorted(stage.scene.duration * stage.among(0.03, 0.3) for _ in range(2))
+    stiffness = 0.3 * spring.level() / spring.elastic_limit()
+    if form == "fresh_part":
+        return one_term("relaxation", form, joint, Kind.LAG, (0.5, times[0]))
     if form == "maxwell":
-        fields = {"branch_stiffness": 0.3 * stage.field(joint, "elastic_stiffness"), "branch_time": time}
-        return _in_joint("relaxation", form, joint, fields, "branch_stiffness")
-    return _in_joint("relaxation", form, joint, {"fading_share": 0.4, "fading_time": time}, "fading_share")
+        return one_term("relaxation", form, joint, Kind.MAXWELL, (stiffness, times[0]))
+
+    def conceal(scene: Scene, strength: float) -> None:
+        branches = [
+            Term(Kind.MAXWELL, (stiffness * share * strength, time)) for share, time in zip((0.7, 0.3), times, strict=True)
+        ]
+        scene.world.joints[joint].terms.extend(branches)
+
+    return Effect("relaxation", form, "joint", joint, {"stiffness": stiffness, "times": times}, conceal)
 
 
 def joint_friction(stage: Stage) -> Effect:
-    """Dry friction in the joint, sharp or smooth about rest; in a mount always, elsewhere while it touches."""
-    joint, form = stage.joint(), stage.one_of(("sharp", "smooth"))
-    fields = {
-        "friction": 0.15 * stage.field(joint, "crush_force"),
-        "friction_velocity": 0.02 if form == "sharp" else stage.rng.uniform(0.2, 0.8),
-        "friction_always": float(stage.is_mount(joint)),
-    }
-    return _or_on_body(stage, _in_joint("joint_friction", form, joint, fields, "friction"), "ground_friction")
+    """Dry friction, sharp or smooth about rest, falling with the rate, or in bristles; a mount's acts always."""
+    joint, form = stage.joint(), stage.form("sharp", "smooth", "stribeck", "bristle")
+    force, always = 0.2 * stage.true(joint).level(), float(stage.is_mount(joint))
+    fastest = stage.fastest(joint)
+    kind, numbers = {
+        "sharp": (Kind.FRICTION, (force, 0.01, always)),
+        "smooth": (Kind.FRICTION, (force, fastest * stage.among(0.02, 0.08), always)),
+        "stribeck": (Kind.FRICTION_STRIBECK, (force, 0.02, always, fastest * stage.among(0.1, 0.3))),
+        "bristle": (Kind.FRICTION_BRISTLE, (force, stage.deepest(joint) * stage.among(0.005, 0.03), always)),
+    }[form]
+    return _or_on_body(stage, one_term("joint_friction", form, joint, kind, numbers), "ground_friction")
 
 
 def unknown(stage: Stage) -> Effect:
-    """What no list has: a dent in the plateau, a force that knows the time, a force level that rises and falls with rate."""
-    joint, form = stage.joint(), stage.one_of(("dent", "timed_pulse", "timed_hum", "rate_hump"))
-    force, deepest = stage.field(joint, "crush_force"), stage.deepest(joint)
-    if form == "dent":
-        place = {
-            "peak_deformation": deepest * stage.rng.uniform(0.4, 0.7),
-            "peak_width": deepest * stage.rng.uniform(0.06, 0.15),
-        }
-        return _in_joint(
-            "unknown", form, joint, {"peak_force": -0.4 * force, "peak_round": 1.0, **place}, "peak_force", (0.02, 2.4)
-        )
-    if form == "rate_hump":
-        fields = {"rate_hump_size": 0.4, "rate_hump_reference": stage.rng.uniform(0.2, 0.35) * stage.fastest(joint)}
-        effect = _in_joint("unknown", form, joint, fields, "rate_hump_size")
-        return evolve(effect, rivals=(("rate_dependence", "joint", joint),))  # half of it is
-    frequency = 0.0 if form == "timed_pulse" else stage.rng.uniform(60.0, 150.0)
-    width = stage.rng.uniform(0.005, 0.015) * (1.0 if form == "timed_pulse" else 3.0)
-    fields = {"pulse_force": 0.4 * force, "pulse_time": width + 0.01, "pulse_width": width, "pulse_frequency": frequency}
-    return _or_on_body(stage, _in_joint("unknown", form, joint, fields, "pulse_force"), "unknown")
+    """What no list has: a dent in the plateau, a timed pulse, a hum, a window of rates, a force that work softens."""
+    joint, form = stage.joint(), stage.form("dent", "pulse", "hum", "rate_window", "softening")
+    force, deepest, fastest = stage.true(joint).level(), stage.deepest(joint), stage.fastest(joint)
+    duration = stage.scene.duration
+    width = duration * stage.among(0.06, 0.12)
+    kind, numbers = {
+        "dent": (Kind.DENT, (0.4 * force, deepest * stage.among(0.4, 0.7), deepest * stage.among(0.1, 0.2))),
+        "pulse": (Kind.PULSE, (0.4 * force, width + duration * stage.among(0.02, 0.2), width)),
+        "hum": (Kind.HUM, (0.3 * force, stage.among(5.0, 12.0) / duration, duration * stage.among(0.2, 0.6))),
+        "rate_window": (Kind.RATE_WINDOW, (-0.4, fastest * stage.among(0.4, 0.7), fastest * stage.among(0.15, 0.25))),
+        "softening": (Kind.SOFTENING, (0.5, force * deepest * stage.among(0.3, 0.8))),
+    }[form]
+    effect = one_term("unknown", form, joint, kind, numbers, (0.02, 2.0))
+    rivals = {"rate_window": "rate_dependence", "softening": "fracture"}
+    if form in rivals:
+        return evolve(effect, rivals=((rivals[form], "joint", joint),))
+    return _or_on_body(stage, effect, "unknown") if form in ("pulse", "hum") else effect
 
 
 def _or_on_body(stage: Stage, effect: Effect, physics: str) -> Effect:
     """A force between the obstacle and a body is a force on the body, unless the obstacle's side of it is measured."""
-    if stage.is_mount(effect.place) or "wall" in stage.scene.instruments:
+    if stage.is_mount(effect.place) or "load_cell" in stage.scene.instruments:
         return effect
-    answer: Answer = (physics, "body", stage.scene.world.joints[effect.place].back)
-    return evolve(effect, rivals=(answer,))
+    return evolve(effect, rivals=((physics, "body", stage.true(effect.place).back),))
 
 
-JOINT_EFFECTS: dict[str, Callable[[Stage], Effect | None]] = {
-    effect.__name__: effect
-    for effect in (
+JOINT_EFFECTS: dict[str, Maker] = {
+    maker.__name__: maker
+    for maker in (
         rate_dependence,
         viscous_damping,
         plastic_unloading,

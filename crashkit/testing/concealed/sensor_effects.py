@@ -1,97 +1,119 @@
 """Secrets of an instrument: faults that no structure can cause."""
 
-from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
+from attrs import evolve
 
-from crashkit.testing.concealed.effect import Answer, Effect, Stage
-from crashkit.testing.concealed.vehicle import Scene
+from crashkit.testing.concealed.effect import Answer, Effect, Maker, Stage
+from crashkit.testing.concealed.instruments import Sensor
+from crashkit.testing.concealed.scene import Scene
 
 
 def clock_offset(stage: Stage) -> Effect:
-    """An instrument's clock is ahead or behind."""
-    name = stage.one_of(list(stage.scene.instruments))
-    offset = stage.rng.uniform(1e-3, 4e-3)
-    form = stage.one_of(("ahead", "behind"))
+    """An instrument's clock is ahead or behind, or behind and slow."""
+    name, form = stage.one_of(*stage.scene.instruments), stage.form("ahead", "behind", "slow")
+    offset = stage.scene.duration * stage.among(0.005, 0.03) * (-1.0 if form == "ahead" else 1.0)
 
-    def change(scene: Scene, numbers: Mapping[str, float]) -> None:
-        scene.instruments[name].clock_offset = numbers["clock_offset"]
+    def conceal(scene: Scene, strength: float) -> None:
+        scene.instruments[name].clock_offset = offset * strength
+        scene.instruments[name].clock_drift = 0.1 * offset * strength / scene.duration if form == "slow" else 0.0
 
-    fields = {"clock_offset": offset if form == "behind" else -offset}
-    return Effect("clock_offset", form, "instrument", name, fields, change, ("clock_offset",), (0.03, 2.0))
+    return Effect("clock_offset", form, "instrument", name, {"offset": offset}, conceal, (0.02, 1.5))
 
 
 def gain_error(stage: Stage) -> Effect:
     """A sensor reads too much or too little; a wall that stops one body cannot be told from that body's mass."""
-    group, sensor, form = *_channel(stage), stage.one_of(("high", "low"))
-    fields = {"gain_error": 0.15 if form == "high" else -0.15}
-
-    def change(scene: Scene, numbers: Mapping[str, float]) -> None:
-        scene.instruments[group].sensors[sensor].gain = 1.0 + numbers["gain_error"]
-
-    alone = group == "wall" and len(stage.scene.bodies) == 1
+    group, name, form = *_channel(stage), stage.form("high", "low")
+    error = 0.15 if form == "high" else -0.15
+    alone = group == "load_cell" and len(stage.scene.bodies) == 1
     rivals: tuple[Answer, ...] = (("added_mass", "body", stage.scene.bodies[0]),) if alone else ()
-    return Effect("gain_error", form, "sensor", sensor, fields, change, ("gain_error",), (0.1, 2.5), rivals)
+    effect = _fault("gain_error", form, group, name, {"gain": error}, (0.02, 3.0))
+    return evolve(effect, rivals=rivals)
 
 
 def bias(stage: Stage) -> Effect:
-    """A sensor's zero is off, for good or drifting away."""
-    group, sensor, form = *_channel(stage), stage.one_of(("constant", "constant", "drift"))
-    size = float(stage.rng.choice([-0.05, 0.05])) * _peak(stage, group, sensor)
-    fields = {"bias": size} if form == "constant" else {"drift": size / stage.scene.duration}
-    return _in_sensor("bias", form, group, sensor, fields, next(iter(fields)), (0.02, 5.0))
+    """A sensor's zero is off: for good, drifting away, or shifted by the shock."""
+    group, name, form = *_channel(stage), stage.form("constant", "constant", "drift", "shift")
+    size = float(stage.rng.choice([-0.05, 0.05])) * _peak(stage, group, name)
+    numbers = {"constant": {"bias": size}, "drift": {"drift": size / stage.scene.duration}, "shift": {"shift": size}}[form]
+    rest = {"shift_at": stage.scene.duration * stage.among(0.1, 0.35)} if form == "shift" else {}
+    return _fault("bias", form, group, name, numbers, (0.02, 6.0), rest)
+
+
+def misalignment(stage: Stage) -> Effect | None:
+    """A sensor is tilted: it reads a part of what it should, and a part of gravity. One axis shows no more than that."""
+    group, name = "accelerometer", _accelerometer(stage)
+    effect = _fault("misalignment", "tilt", group, name, {"tilt": 0.3 * float(stage.rng.choice([-1.0, 1.0]))}, (0.1, 2.0))
+    return evolve(effect, rivals=(("gain_error", "sensor", name), ("bias", "sensor", name)))
 
 
 def mounting_resonance(stage: Stage) -> Effect:
-    """A sensor rings on its mounting, all of it or on a part of its path."""
-    group, sensor, form = (
-        "accelerometer",
-        stage.one_of(list(stage.scene.instruments["accelerometer"].sensors)),
-        stage.one_of(("mounting", "bracket")),
-    )
-    fields = {
-        "ring_share": 1.0 if form == "mounting" else 0.4,
-        "ring_frequency": stage.rng.uniform(100.0, 800.0),
-        "ring_damping": stage.rng.uniform(0.01, 0.05) if form == "mounting" else stage.rng.uniform(0.02, 0.1),
-    }
-    return _in_sensor("mounting_resonance", form, group, sensor, fields, "ring_share", (0.05, 1.0))
+    """A sensor rings on its mounting: all of its reading, or a part that comes over a bracket."""
+    group, name, form = "accelerometer", _accelerometer(stage), stage.form("mounting", "bracket")
+    share = 1.0 if form == "mounting" else stage.among(0.3, 0.6)
+    frequency = stage.among(8.0, 50.0) / stage.scene.duration
+    damping = stage.among(0.01, 0.08)
+
+    def conceal(scene: Scene, strength: float) -> None:
+        scene.instruments[group].sensors[name].ring = (share * strength, frequency, damping)
+
+    numbers = {"share": share, "frequency": frequency, "damping": damping}
+    return Effect("mounting_resonance", form, "sensor", name, numbers, conceal, (0.03, 1.0))
 
 
 def saturation(stage: Stage) -> Effect:
-    """A sensor clips, hard or bending towards its limit; strength brings the limit down."""
-    group, sensor, form = *_channel(stage), stage.one_of(("hard", "soft"))
-    peak = _peak(stage, group, sensor)
+    """A sensor clips: on both sides, on one, or bending towards its limit; strength brings the limit down."""
+    group, name, form = *_channel(stage), stage.form("hard", "one_side", "soft")
+    peak = _peak(stage, group, name)
 
-    def change(scene: Scene, numbers: Mapping[str, float]) -> None:
-        scene.instruments[group].sensors[sensor].limit = peak * (1.0 - numbers["lost_share_of_peak"])
-        scene.instruments[group].sensors[sensor].soft = form == "soft"
+    def conceal(scene: Scene, strength: float) -> None:
+        limit, sensor = abs(peak) * (1.0 - 0.3 * strength), scene.instruments[group].sensors[name]
+        sensor.low = -limit if form != "one_side" or peak < 0.0 else -np.inf
+        sensor.high = limit if form != "one_side" or peak > 0.0 else np.inf
+        sensor.soft = form == "soft"
 
-    fields = {"lost_share_of_peak": 0.3}
-    return Effect("saturation", form, "sensor", sensor, fields, change, ("lost_share_of_peak",), (0.05, 2.5))
+    return Effect("saturation", form, "sensor", name, {"peak": peak, "lost": 0.3}, conceal, (0.05, 2.5))
 
 
 def _channel(stage: Stage) -> tuple[str, str]:
-    """A random accelerometer or load cell: its group and name."""
-    channels = [(group, name) for group, it in stage.scene.instruments.items() if group != "film" for name in it.sensors]
-    return channels[stage.rng.integers(len(channels))]
+    """An accelerometer or load cell: its group and name."""
+    channels = [(group, name) for group, one in stage.scene.instruments.items() if group != "film" for name in one.sensors]
+    return channels[int(stage.rng.integers(len(channels)))]
 
 
-def _peak(stage: Stage, group: str, sensor: str) -> float:
-    """Largest true value in the fastest calibration run, in the channel's unit."""
-    trace, body = stage.traces[2], stage.scene.instruments[group].sensors[sensor].body
-    return float(np.abs((trace.contact if group == "wall" else trace.acceleration)[body]).max())
+def _accelerometer(stage: Stage) -> str:
+    return stage.one_of(*stage.scene.instruments["accelerometer"].sensors)
 
 
-def _in_sensor(
-    physics: str, form: str, group: str, sensor: str, fields: Mapping[str, float], scaled: str, limits: tuple[float, float]
+def _peak(stage: Stage, group: str, name: str) -> float:
+    """The true value of largest size in the fastest run that is fitted, in the channel's unit."""
+    motion, sensor = stage.motions[-1], stage.scene.instruments[group].sensors[name]
+    signal = motion.contact(sensor.body) if group == "load_cell" else motion.acceleration[sensor.body]
+    return float(signal[np.argmax(np.abs(signal))])
+
+
+def _fault(
+    physics: str,
+    form: str,
+    group: str,
+    name: str,
+    numbers: dict[str, float],
+    limits: tuple[float, float],
+    rest: dict[str, Any] | None = None,
 ) -> Effect:
-    def change(scene: Scene, numbers: Mapping[str, float]) -> None:
-        for name, value in numbers.items():
-            setattr(scene.instruments[group].sensors[sensor], name, value)
+    """A sensor's numbers are off by `strength` times these; `rest` does not depend on the strength."""
 
-    return Effect(physics, form, "sensor", sensor, fields, change, (scaled,), limits)
+    def conceal(scene: Scene, strength: float) -> None:
+        sensor: Sensor = scene.instruments[group].sensors[name]
+        for key, value in numbers.items():
+            setattr(sensor, key, getattr(sensor, key) + strength * value)
+        for key, value in (rest or {}).items():
+            setattr(sensor, key, value)
+
+    return Effect(physics, form, "sensor", name, numbers, conceal, limits)
 
 
-SENSOR_EFFECTS: dict[str, Callable[[Stage], Effect | None]] = {
-    effect.__name__: effect for effect in (clock_offset, gain_error, bias, mounting_resonance, saturation)
+SENSOR_EFFECTS: dict[str, Maker] = {
+    maker.__name__: maker for maker in (clock_offset, gain_error, bias, misalignment, mounting_resonance, saturation)
 }

@@ -1,11 +1,10 @@
 """How large a secret is: what it changes in the recordings, and what of that the model's own parameters cannot take up."""
 
-from collections.abc import Iterator
-
 import numpy as np
 from attrs import frozen
 
-from benchmarks.blind.vehicle import Scene
+from crashkit.testing.concealed.given import free_parameters, tuned
+from crashkit.testing.concealed.scene import Scene
 
 SIZES = {"small": (8.0, 40.0), "middle": (40.0, 250.0), "gross": (250.0, 5000.0)}
 """Standard deviations that a secret leaves over all runs that are fitted, once the model is tuned; 6 is a matter of luck."""
@@ -22,9 +21,14 @@ def named(sigmas: float) -> str:
     return next((name for name, (_, most) in SIZES.items() if sigmas <= most), "gross")
 
 
+def samples(scene: Scene) -> np.ndarray:
+    """Every noise-free sample of the runs that are fitted, in units of noise."""
+    return scene.signals(scene.motions(step=_COARSE))
+
+
 @frozen
 class Tuning:
-    """The public model at its true numbers: its signals, and how each free number moves them.
+    """The given model at the true values: its samples, and how each free parameter moves them.
 
     Arguments:
         scene: without secrets.
@@ -38,57 +42,29 @@ class Tuning:
 
     @classmethod
     def of(cls, scene: Scene) -> "Tuning":
-        """By differences of one per cent in every free number."""
-        base = seen(scene)
+        """By differences of one per cent in every free parameter."""
+        base = samples(scene)
         columns = []
-        for index, _ in enumerate(free_numbers(scene)):
+        for index, _ in enumerate(free_parameters(scene)):
             change = np.zeros(index + 1)
             change[index] = _CHANGE
-            columns.append((seen(tuned(scene, change)) - base) / _CHANGE)
+            columns.append((samples(tuned(scene, change)) - base) / _CHANGE)
         return cls(scene, base, np.stack(columns, 1))
 
-    def left(self, signals: np.ndarray, rounds: int = 2) -> float:
+    def left(self, changed: np.ndarray, rounds: int = 2) -> float:
         """What of a difference from the base remains after tuning, in standard deviations."""
         j = self.jacobian
         solve = np.linalg.solve(j.T @ j + np.eye(j.shape[1]) / _FREEDOM**2, j.T)
-        change, residual = np.zeros(j.shape[1]), signals - self.base
+        change, residual = np.zeros(j.shape[1]), changed - self.base
         best = float(np.linalg.norm(residual))
         for _ in range(rounds):
             change = np.clip(change + solve @ residual, -1.0, 1.0)
-            residual = signals - seen(tuned(self.scene, change))
+            residual = changed - samples(tuned(self.scene, change))
             best = min(best, float(np.linalg.norm(residual)))
         return best
 
-    def left_beside(self, signals: np.ndarray, others: list[np.ndarray]) -> float:
+    def left_beside(self, changed: np.ndarray, others: list[np.ndarray]) -> float:
         """The same, to first order, if the differences of other secrets can be taken up too."""
         j = np.column_stack([self.jacobian, *(other - self.base for other in others)])
-        difference = signals - self.base
+        difference = changed - self.base
         return float(np.linalg.norm(difference - j @ np.linalg.lstsq(j, difference, rcond=None)[0]))
-
-
-def free_numbers(scene: Scene) -> Iterator[tuple[str, str, int | None]]:
-    """Link, name and place in a list of every number that the model file leaves free."""
-    for link in scene.public:
-        for name, value in scene.world.links[link].numbers.items():
-            if isinstance(value, list):
-                if name == "force":
-                    yield from ((link, name, index) for index in range(len(value)))
-            else:
-                yield link, name, None
-
-
-def tuned(scene: Scene, logarithms: np.ndarray) -> Scene:
-    """A scene whose first free numbers are multiplied by the exponentials of these."""
-    scene = scene.copy()
-    for (link, name, index), logarithm in zip(list(free_numbers(scene)), logarithms, strict=False):
-        numbers, factor = scene.world.links[link].numbers, float(np.exp(logarithm))
-        if index is None:
-            numbers[name] *= factor
-        else:
-            numbers[name][index] *= factor
-    return scene
-
-
-def seen(scene: Scene) -> np.ndarray:
-    """Every noise-free sample of the runs that are fitted, in units of noise."""
-    return scene.signals(scene.traces(step=_COARSE))
