@@ -74,26 +74,32 @@ def discover(workshop: Workshop, given: Misfit, base_search: Search, progress: P
         given: the misfit of the model at the values that the user gave.
         base_search: its best fit.
     """
-    base = base_search.fitted()
+    base_search, look = _first_look(workshop, given, base_search, progress)
     rounds: list[Round] = []
-    current, search = base, base_search
-    look: Round | None = None
-    while len(rounds) < MOST_FINDINGS and not _is_estimated(rounds):
-        look = _look(workshop, given, current, [r.rivals[0] for r in rounds], progress)
-        if look.winner is None:
-            break
-        challenger = _without(base_search, look.winner) if not rounds else base_search
-        if challenger.deviance < base_search.deviance - TIE:
-            base_search = search = challenger
-            base = current = search.fitted()
-            continue
+    search = base_search
+    while look.winner is not None:
         rounds.append(look)
         search = look.winner.search
-        current = search.fitted()
+        if len(rounds) == MOST_FINDINGS or _is_estimated(rounds):
+            break
+        look = _look(workshop, given, search.fitted(), [r.rivals[0] for r in rounds], progress)
     if len(rounds) > 1:
         rounds, search = _reconsider(workshop, given, base_search, rounds, progress)
-    last = look if look is not None and look.winner is None else None
-    return Discovery(base, search.fitted(), search, tuple(rounds), last)
+    last = look if look.winner is None else None
+    return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds), last)
+
+
+def _first_look(workshop: Workshop, given: Misfit, base_search: Search, progress: Progress) -> tuple[Search, Round]:
+    """The first round, and the best fit of the model as it is, which the winner may show to have been a local optimum."""
+    look = _look(workshop, given, base_search.fitted(), [], progress)
+    if look.winner is None:
+        return base_search, look
+    better = _without(base_search, look.winner)
+    gained = base_search.deviance - better.deviance
+    if gained < TIE:
+        return base_search, look
+    is_plain = look.winner.drop > gained + NEEDED
+    return better, look if is_plain else _look(workshop, given, better.fitted(), [], progress)
 
 
 def _without(search: Search, winner: Rival) -> Search:
