@@ -11,7 +11,7 @@ from crashkit.campaign import spread
 from crashkit.diagnose.reidentify import scattered
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.score import Score, score
-from crashkit.diagnose.search import Search, advance_all, begin_all
+from crashkit.diagnose.search import Search, advance_all, begin, begin_all
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Hypothesis, Proposal
@@ -21,8 +21,9 @@ Entrant = tuple[Proposal, Search]
 
 STARTS = 2
 """How many starts of each form of each claim are fitted from the given values; one is from the re-identified ones."""
-HEATS = ((300, 3), (50, 5), (12, 8), (5, 40))
-"""How many of them enter each heat of fits, and how many steps each gets there."""
+HEATS = ((300, 3), (40, 5), (10, 8), (4, 40))
+"""How many of them enter each heat of fits, and how many steps each gets there. Those from the given values have heats of
+their own: they begin far above the others, and need more steps to show what they are worth."""
 CONCEALED = 1.3
 """Normalised residual of the re-identified model above which it may have hidden physics in wrong values of its own; then the
 hypotheses are also fitted from the values that the user gave."""
@@ -33,9 +34,13 @@ FLOOR = 1.05
 GENUINE = 0.85
 """Share of its drop that an estimated table is credited with while it leaves something unexplained: a dozen free heights
 imitate much of any effect, and more closely than a known law whose form is slightly off."""
+SLICES = (1 / 3, 2 / 3, 1.0)
+"""Shares of the time recorded."""
+SCOUTING = 8
+"""Steps of a quick search in each."""
 POLISHED = 2
 """How many of the leading claims are then searched again."""
-SCATTERED = 8
+SCATTERED = 6
 """From how many starts each of their forms."""
 POLISHING = ((200, 5), (24, 10), (5, 60))
 """The heats of that."""
@@ -116,12 +121,13 @@ def fit_rivals(
     normalised = float(np.sqrt(reference / base.independent_samples))
     strained = base.departure(base.start()) > STRAINED
     at_noise = normalised < FLOOR and not strained
-    entrants = _entrants(workshop, base, scores, 1, NOISE_PROMISE if at_noise else LEAST_PROMISE)
+    chosen = _promising(scores, 1, NOISE_PROMISE if at_noise else LEAST_PROMISE)
+    fitted = _heats(_entrants(workshop, base, [(p, promise.values) for p, promise in chosen]), HEATS, progress)
     if strained or normalised > CONCEALED:
-        rough = _scores(workshop, given.coarse, proposals, np.inf, progress)
-        entrants += _entrants(workshop, given, rough, STARTS, LEAST_PROMISE)
-    fitted = [_rival(p, search, base.deviance(residual)) for p, search in _heats(entrants, HEATS, progress)]
-    ranked = sorted(fitted, key=lambda rival: -rival.evidence)
+        rough = _promising(_scores(workshop, given.coarse, proposals, np.inf, progress), STARTS, LEAST_PROMISE)
+        fitted += _heats(_scouted(workshop, given, [(p, promise.values) for p, promise in rough]), HEATS, progress)
+    rivals = [_rival(proposal, search, base.deviance(residual)) for proposal, search in fitted]
+    ranked = sorted(rivals, key=lambda rival: -rival.evidence)
     if ranked and ranked[0].search.normalised > FLOOR:
         ranked += _polished(workshop, given, ranked, proposals, base.deviance(residual), progress)
     return sorted(ranked, key=lambda rival: -rival.evidence), _limits(scores)
@@ -177,13 +183,14 @@ def _polished(
     in a local optimum.
     """
     forms = [p for p in proposals if p.physics != UNKNOWN and _leads(p, ranked)]
-    entrants: list[Entrant] = []
+    starts: list[tuple[Proposal, Mapping[str, float]]] = []
     for proposal in forms:
         found = next((r.search for r in ranked if r.proposal is proposal), None)
         known = found.misfit.values(found.point) if found else {}
         new = {name: known[name] for name in proposal.parameters if name in known} or dict(proposal.starts[0])
         misfits = scattered(workshop.misfit(given, proposal.model).with_values(new), SCATTERED)
-        entrants += [(proposal, search) for search in begin_all(workshop.identifier, misfits)]
+        starts += [(proposal, misfit.values(misfit.start())) for misfit in misfits]
+    entrants = _scouted(workshop, given, starts)
     return [_rival(proposal, search, reference) for proposal, search in _heats(entrants, POLISHING, progress)]
 
 
@@ -217,14 +224,30 @@ def _scores(
     return [(proposal, one) for proposal, scores in found for one in scores if one is not None]
 
 
-def _entrants(
-    workshop: Workshop, origin: Misfit, scores: Sequence[tuple[Proposal, Score]], most: int, least: float
-) -> list[Entrant]:
-    """Searches from the best starts of every claim that promises a drop of `least`."""
+def _promising(scores: Sequence[tuple[Proposal, Score]], most: int, least: float) -> list[tuple[Proposal, Score]]:
+    """The best starts of every form of every claim that promises a drop of `least`."""
     promising = [(proposal, one) for proposal, one in scores if one.drop > least or not proposal.null]
-    chosen = _first_of_each(sorted(promising, key=lambda one: -one[1].drop), most)
-    misfits = [workshop.misfit(origin, proposal.model).with_values(promise.values) for proposal, promise in chosen]
-    return list(zip((proposal for proposal, _ in chosen), begin_all(workshop.identifier, misfits), strict=True))
+    return _first_of_each(sorted(promising, key=lambda one: -one[1].drop), most)
+
+
+def _entrants(workshop: Workshop, origin: Misfit, starts: Sequence[tuple[Proposal, Mapping[str, float]]]) -> list[Entrant]:
+    misfits = [workshop.misfit(origin, proposal.model).with_values(values) for proposal, values in starts]
+    return list(zip((proposal for proposal, _ in starts), begin_all(workshop.identifier, misfits), strict=True))
+
+
+def _scouted(workshop: Workshop, origin: Misfit, starts: Sequence[tuple[Proposal, Mapping[str, float]]]) -> list[Entrant]:
+    """Searches from where a quick one in growing slices of time ends, at few instants: it seldom jumps over a threshold."""
+    slices = [origin.coarse.up_to(share) for share in SLICES]
+
+    def scouted(start: tuple[Proposal, Mapping[str, float]]) -> Mapping[str, float]:
+        proposal, values = start
+        for early in slices:
+            misfit = workshop.misfit(early, proposal.model).with_values(values)
+            values = misfit.values(begin(workshop.identifier, misfit).advance(SCOUTING).point)
+        return values
+
+    found = spread(scouted, starts)
+    return _entrants(workshop, origin, [(proposal, values) for (proposal, _), values in zip(starts, found, strict=True)])
 
 
 def _first_of_each(ranked: Sequence[tuple[Proposal, Score]], most: int) -> list[tuple[Proposal, Score]]:

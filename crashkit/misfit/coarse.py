@@ -1,4 +1,4 @@
-"""Fewer instants of an instrument: what a search needs until it is near its end."""
+"""Fewer instants of an instrument, or only the first: what a search needs until it is near its end."""
 
 import numpy as np
 from attrs import evolve
@@ -9,6 +9,8 @@ from crashkit.misfit.thin import FILTER_MARGIN
 
 INSTANTS = 100
 """That a channel keeps, if it has as many."""
+FEWEST = 3
+"""Samples in which a search can see anything."""
 COARSE_STEP = 4.0 * STEP
 """s, longest step of the integration; a few instants do not deserve more."""
 
@@ -23,6 +25,19 @@ def coarse_group(group: Group) -> Group:
     channels = tuple(_thinned(channel, recorded[:, i], factor) for i, channel in enumerate(group.channels))
     dataset = group.dataset.isel(time=kept)
     return evolve(group, dataset=dataset, times=group.times[kept], recorded=recorded, channels=channels)
+
+
+def early_group(group: Group, end: float) -> Group | None:
+    """The samples of a group up to a time, s; None where that is too few."""
+    count = int(np.searchsorted(group.times, end, side="right"))
+    if count < FEWEST:
+        return None
+    kept = slice(0, count)
+    recorded = group.recorded[kept]
+    channels = tuple(
+        evolve(channel, samples=int(np.isfinite(recorded[:, i]).sum())) for i, channel in enumerate(group.channels)
+    )
+    return evolve(group, dataset=group.dataset.isel(time=kept), times=group.times[kept], recorded=recorded, channels=channels)
 
 
 def _factor(group: Group) -> int:

@@ -10,7 +10,7 @@ from attrs import evolve, frozen
 
 from crashkit.mechanics import Engine, Simulator
 from crashkit.misfit.channel import Channel, Group, groups_of
-from crashkit.misfit.coarse import COARSE_STEP, coarse_group
+from crashkit.misfit.coarse import COARSE_STEP, coarse_group, early_group
 from crashkit.misfit.predictor import STEP, Prediction, Predictor
 from crashkit.misfit.rows import Rows, rows_of
 from crashkit.model import Model
@@ -224,6 +224,12 @@ class Misfit:
         groups = [coarse_group(group) for group in self.groups]
         copy._setup(self.model, self.recordings, groups, self.simulator, COARSE_STEP, self.prior)
         return copy
+
+    def up_to(self, share: float) -> "Misfit":
+        """The same over the first part of the time recorded: what happens early is known before what happens late."""
+        end = share * max(float(group.times[-1]) for group in self.groups)
+        early = [one for one in (early_group(group, end) for group in self.groups) if one is not None]
+        return self._with(self.model, early)
 
     def at_speed(self, factor: float) -> "Misfit":
         """The same instruments in tests with all initial velocities multiplied, to ask what such tests would show."""
