@@ -29,8 +29,9 @@ import numpy as np
 from crashkit.mechanics.kernel.arrays import *
 from numba import njit, types
 
-compiled = njit(nogil=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
-inlined = njit(nogil=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True)
+how = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
+within = {**how, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+compiled, inlined, entry = njit(**within), njit(**within, forceinline=True), njit(**how, cache=True)
 
 
 @compiled
@@ -141,7 +142,7 @@ def _source(functions: tuple[LawFunction, ...], laws: list[str], axes: int) -> s
 def _text(module: str) -> str:
     text = (KERNEL / f"{module}.py").read_text(encoding="utf-8").split(KERNEL_MARK, 1)[1].strip()
     for entry in ENTRIES:
-        text = text.replace(f"@compiled\ndef {entry}(", f'@njit(nogil=True, error_model="numpy", cache=True)\ndef {entry}(')
+        text = text.replace(f"@compiled\ndef {entry}(", f"@entry\ndef {entry}(")
     return text
 
 

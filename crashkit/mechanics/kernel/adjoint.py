@@ -19,6 +19,7 @@ from crashkit.mechanics.kernel.line import (
     DOF,
     bend_adjoint,
     locate,
+    measure_points,
     rates_adjoint,
     respond_adjoint,
     to_rotations_adjoint,
@@ -104,6 +105,7 @@ def joint_adjoint(
         joint.along[DOF + i] = rate_bar * state[row, n + b + i] - force * load[b + i]
         lam[n + a + i] += rate_bar * joint.gradient[i]
         lam[n + b + i] += rate_bar * joint.gradient[DOF + i]
+    measure_points(bodies, joint)
     bend_adjoint(bodies, joint)
     for i in range(DOF):
         lam[a + i] += d_bar * joint.gradient[i] + joint.bend[i]
@@ -160,6 +162,7 @@ def accelerate_adjoint(
 def deformation_adjoint(bodies, joint, state, wanted, lam, own):
     """Carry the adjoint of a joint's deformation at START back to the state, its rest and its attachments."""
     kinematics(bodies, joint, state, START)
+    measure_points(bodies, joint)
     own[1] += wanted
     for k in range(DOF):
         lam[DOF * joint.first + k] += wanted * joint.gradient[k]

@@ -211,8 +211,6 @@ def measure(bodies, joint, state, row):
     set_entries(joint.gradient, 3, cross(arm_a, n))
     set_entries(joint.gradient, 6, scaled(-1.0, n))
     set_entries(joint.gradient, 9, cross(n, arm_b))
-    set_entries(joint.gradient, 12, turned_back(bodies[a], n))
-    set_entries(joint.gradient, 15, scaled(-1.0, turned_back(bodies[b], n)))
     set_entries(joint.shape, 0, arm_a)
     set_entries(joint.shape, 3, arm_b)
     joint.shape[6] = 1.0 / length
@@ -241,6 +239,14 @@ def turn(face, n, arm_a, arm_b, inverse, a, turn_a, b, turn_b):
 def across(n, inverse, apart):
     """How the direction n of a line turns when its ends move apart: (I - n n') apart / length."""
     return scaled(inverse, plus(apart, scaled(-dot(n, apart), n)))
+
+
+@compiled
+def measure_points(bodies, joint):
+    """The gradient of the deformation to the attachments."""
+    n = entries(joint.gradient, 0)
+    set_entries(joint.gradient, 12, turned_back(bodies[joint.first], n))
+    set_entries(joint.gradient, 15, scaled(-1.0, turned_back(bodies[joint.second], n)))
 
 
 @compiled

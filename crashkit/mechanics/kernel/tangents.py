@@ -32,6 +32,7 @@ from crashkit.mechanics.kernel.line import (
     DOF,
     bend,
     bend_to_point,
+    measure_points,
     push_tangent,
     rates_tangent,
     respond_tangent,
@@ -98,6 +99,7 @@ def point_columns(bodies, joint, state, own, net_tangent, row, force, to_d, to_r
     """
     n = DOF * bodies.size
     a, b = DOF * joint.first, DOF * joint.second
+    measure_points(bodies, joint)
     for m in range(2 * AXES):
         column = joint.point_columns[m]
         if column >= 0:
