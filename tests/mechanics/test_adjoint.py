@@ -26,15 +26,22 @@ def test_it_is_the_transpose_of_the_sensitivities(simulator, car, check_adjoint,
     check_adjoint(simulator(model), TIMES, list(every_path(model, axes)))
 
 
+MEMBERS = {
+    "brittle": {"stiffness": 2e5, "fracture_deformation": 0.1, "loss": 0.6},
+    "maxwell": {"relaxing_stiffness": 2e5, "relaxation_time": 0.02},
+}
+
+
+@pytest.mark.parametrize("law", MEMBERS)
 @pytest.mark.parametrize("axes", [1, 2, 3])
-def test_where_a_member_breaks(simulator, car, check_adjoint, axes):
-    """In a model that has everything: its threshold, which is passed at 0.1 m, and all others."""
+def test_a_member_that_breaks_or_remembers(simulator, car, check_adjoint, axes, law):
+    """In a model that has everything; the force jumps at 0.1 m."""
     model = car(axes)
-    values = {"stiffness": 2e5, "fracture_deformation": 0.1, "loss": 0.6}
-    brittle = evolve(model.joints[2], law="brittle", factors=(), parameters={k: Parameter(v) for k, v in values.items()})
-    model = evolve(model, joints=(*model.joints[:2], brittle, model.joints[3]))
+    values = {name: Parameter(value) for name, value in MEMBERS[law].items()}
+    member = evolve(model.joints[2], law=law, factors=(), parameters=values)
+    model = evolve(model, joints=(*model.joints[:2], member, model.joints[3]))
     assert float(simulator(model).run(TIMES)["deformation"].sel(joint="stop").max()) > 0.11
-    check_adjoint(simulator(model), TIMES, list(every_path(model, axes)))
+    check_adjoint(simulator(model), TIMES, list(every_path(model, axes)), close=1e-11)
 
 
 def test_the_gradient_of_a_misfit_agrees_with_differences(simulator, car):

@@ -5,7 +5,7 @@ import math
 
 from crashkit.mechanics.kernel.arrays import JOINTS, NONE, TOTAL
 from crashkit.mechanics.kernel.line import DOF, locate, measure, rates, respond
-from crashkit.mechanics.kernel.stand_ins import inlined, law_frozen
+from crashkit.mechanics.kernel.stand_ins import compiled, inlined, law_frozen
 
 # ---- compiled from here ----
 
@@ -77,7 +77,7 @@ def add_given(bodies, given, t, piece):
         body.net[TOTAL, k] = body.net[JOINTS, k] + given[piece, 1 + i] + since * given[piece, 1 + n + i]
 
 
-@inlined
+@compiled
 def accelerate(bodies, joints, functions, parameters, given, state, row, t, piece):
     """Forces, and the derivative of the state, at a stage.
 
