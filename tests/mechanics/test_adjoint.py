@@ -41,7 +41,7 @@ def test_a_member_that_breaks_or_remembers(simulator, car, check_adjoint, axes, 
     member = evolve(model.joints[2], law=law, factors=(), parameters=values)
     model = evolve(model, joints=(*model.joints[:2], member, model.joints[3]))
     assert float(simulator(model).run(TIMES)["deformation"].sel(joint="stop").max()) > 0.11
-    check_adjoint(simulator(model), TIMES, list(every_path(model, axes)), close=1e-10)
+    check_adjoint(simulator(model), TIMES, list(every_path(model, axes)), close=1e-11)
 
 
 def test_the_gradient_of_a_misfit_agrees_with_differences(simulator, car):

@@ -131,6 +131,7 @@ def change_branches(
         if tangent.shape[2] > 0:
             f = jumping_function(bodies, joint, functions, parameters, state, partials)
         if f != NONE:
+            accelerate(bodies, joints, functions, parameters, given, state, START, t, piece)  # with the joints changed before
             deformation_tangent(bodies, joint, state, tangent, own, net_tangent, START)
             late = lateness(bodies, joint, functions[f], state, partials[f])
             moment_tangent(functions[f], columns, tangent, own, partials[f], late)
