@@ -16,7 +16,7 @@ from crashkit.mechanics.run import normal_of
 def history_of(work: Work, axes: int, steps: int) -> Floats:
     """Room for what the kernel remembers of each step."""
     size, turns = work.state.shape[1] // 2, 4 * work.bodies.size if axes == 3 else 0
-    return np.empty((steps, size + 3 + 2 * work.joints.size + 2 * work.functions.size + turns))
+    return np.empty((steps, size + 4 + 2 * work.joints.size + 2 * work.functions.size + turns))
 
 
 def sweep_back(
@@ -36,21 +36,19 @@ def sweep_back(
         engine: that ran it.
         history: of the run, `steps` of its rows.
         rows: of the run's record that the seeds are for.
-        seeds: (time, entry) weights of the record's entries, all but quaternions.
+        seeds: (time, entry) weights of the record's entries, all but memories and quaternions.
         parameters: their paths.
     """
-    jumping = sorted({function.law.name for own in layout.functions for function in own if function.law.jumps})
-    if jumping:
-        raise CrashkitError(f"expected laws whose force does not jump, found {', '.join(jumping)}: use sensitivities instead")
     size, joints, axes = work.state.shape[1] // 2, work.joints.size, len(layout.axes)
-    every = np.zeros((max(rows) + 1, seeds.shape[1]))
-    every[rows] = seeds
+    n = DOF[axes] * work.bodies.size
+    of_state, own = np.zeros((max(rows) + 1, 2 * size)), np.zeros((max(rows) + 1, seeds.shape[1] - 4 * n))
+    of_state[rows, : 2 * n], of_state[rows, size : size + 2 * n] = seeds[:, : 2 * n], seeds[:, 2 * n : 4 * n]
+    own[rows] = seeds[:, 4 * n :]
     start = np.zeros(size)
     gradients = np.zeros(layout.parameters.size), np.zeros((joints, 2 + 2 * axes)), np.zeros((work.bodies.size, 7))
     free = np.isnan(layout.free_lengths)
-    own = np.ascontiguousarray(every[:, 2 * size :])
     arrays = work.bodies, work.joints, work.functions, work.parameters, work.given, work.state, work.partials
-    engine.module.sweep(history, steps, *arrays, every[:, : 2 * size].copy(), own, free, start, *gradients)
+    engine.module.sweep(history, steps, *arrays, of_state, own, free, start, *gradients)
     return np.array([_to_parameter(layout, path, start, *gradients) for path in parameters])
 
 

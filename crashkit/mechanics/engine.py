@@ -29,8 +29,9 @@ import numpy as np
 from crashkit.mechanics.kernel.arrays import *
 from numba import njit, types
 
-compiled = njit(nogil=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
-inlined = njit(nogil=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True)
+how = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
+within = {**how, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+compiled, inlined, entry = njit(**within), njit(**within, forceinline=True), njit(**how, cache=True)
 
 
 @compiled
@@ -39,9 +40,9 @@ def power_slope(base, exponent):
 '''
 KERNEL_MARK = "# ---- compiled from here ----"
 KERNEL = Path(__file__).parent / "kernel"
-GEOMETRY = {1: "line", 2: "plane", 3: "space"}
-"""The module of the kernel that knows the geometry, by number of axes."""
-MODULES = ("forces", "steps", "tangents", "run", "adjoint")
+GEOMETRY = {1: ("line",), 2: ("plane",), 3: ("vectors", "rotations", "space")}
+"""The modules of the kernel that know the geometry, by number of axes."""
+MODULES = ("forces", "steps", "tangents", "jumps", "history", "run", "adjoint")
 ENTRIES = ("integrate", "integrate_many", "sweep")
 DATED = 1_000_000_000
 """Modification time of a generated module: the same whoever writes it, so that compiled code stays valid."""
@@ -133,7 +134,7 @@ def _source(functions: tuple[LawFunction, ...], laws: list[str], axes: int) -> s
         _dispatch("partials", "mode, ", "p, o, out", "0.0", everyone),
         _dispatch("guard", "mode, ", "p, o, out", "math.inf", [n for n in everyone if functions[n].law.jumps]),
     ]
-    body = [_text(module) for module in (GEOMETRY[axes], *MODULES)]
+    body = [_text(module) for module in (*GEOMETRY[axes], *MODULES)]
     return "\n\n\n".join([HEADER, *laws, *dispatch, *body]) + "\n"
 
 
@@ -141,7 +142,7 @@ def _source(functions: tuple[LawFunction, ...], laws: list[str], axes: int) -> s
 def _text(module: str) -> str:
     text = (KERNEL / f"{module}.py").read_text(encoding="utf-8").split(KERNEL_MARK, 1)[1].strip()
     for entry in ENTRIES:
-        text = text.replace(f"@compiled\ndef {entry}(", f'@njit(nogil=True, error_model="numpy", cache=True)\ndef {entry}(')
+        text = text.replace(f"@compiled\ndef {entry}(", f"@entry\ndef {entry}(")
     return text
 
 

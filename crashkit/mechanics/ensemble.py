@@ -127,12 +127,15 @@ def _integrate(
     records, ends = np.empty((runs, *empty.values.shape)), np.empty((runs, 3))
 
     def share(part: slice) -> None:
+        """Each thread has copies of its own: threads that count references to the same arrays wait for each other."""
         work = work_of(base, simulator.engine, ())
+        own = records[part].copy(), ends[part].copy()
         simulator.engine.module.integrate_many(
-            times, step, bodies[part], joints[part], work.functions, layout.parameters[part], work.given, starts[part],
-            work.state, work.columns, work.partials, work.tangent, work.joint_tangent, work.net_tangent, records[part],
-            empty.tangents, NO_HISTORY, ends[part],
+            times.copy(), step, bodies[part].copy(), joints[part].copy(), work.functions, layout.parameters[part].copy(),
+            work.given.copy(), starts[part].copy(), work.state, work.columns, work.partials, work.tangent, work.joint_tangent,
+            work.net_tangent, own[0], empty.tangents.copy(), NO_HISTORY.copy(), own[1],
         )  # fmt: skip
+        records[part], ends[part] = own
 
     bounds = np.linspace(0, runs, min(workers, runs) + 1).astype(int)
     parts = [slice(a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True)]

@@ -73,7 +73,8 @@ class Simulator:
                 `.angular_velocity`, `joint.NAME.points[end]`. Those of instruments are ignored.
             initial: `position(body, axis)` and `velocity(body, axis)` at t = 0 of some or all bodies, instead of the
                 model's; in several axes also `orientation(body, quaternion)` and `angular_velocity(body, axis)`, if they are
-            there. sensitivities: paths of the parameters to differentiate to.
+                there.
+            sensitivities: paths of the parameters to differentiate to.
             step: s, longest step of the integration.
 
         Returns:
@@ -135,7 +136,7 @@ class Simulator:
             The derivative to each parameter, dim `parameter`.
 
         Raises:
-            CrashkitError: a law whose force may jump, or that has no derivatives; a quantity that a motion does not have.
+            CrashkitError: a law that has no derivatives; a quantity that a motion does not have.
         """
         instants = checked(times)
         paths = list(self.model.free_parameters() if parameters is None else parameters)
@@ -152,7 +153,8 @@ class Simulator:
         initial: xr.Dataset | None = None,
         step: float = 1e-4,
     ) -> Floats:
-        """The same from plain arrays: `seeds` (time, entry) are the weights of a record's entries, all but quaternions."""
+        """The same from plain arrays: `seeds` (time, entry) are the weights of a record's entries, all but memories and
+        quaternions."""
         self.engine.check_derivatives(self._functions)
         layout = prepare(self.layout, values or {}, initial)
         work = work_of(layout, self.engine, ())

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from crashkit.mechanics import Engine, LawFunction, Simulator, compile_engine
 from crashkit.model import Body, GivenForce, GivenMotion, Joint, Model, Parameter
@@ -79,6 +80,29 @@ def against_wall(joint):
         return Model("against the wall", ("x",), bodies, (joint("spring", ("wall", "mass"), law, parameters, **others),))
 
     return make
+
+
+@pytest.fixture(scope="session")
+def check_adjoint() -> Callable[..., None]:
+    """Its gradient of a sum of all quantities, at random weights, is what the sensitivities give."""
+    return _check_adjoint
+
+
+def _check_adjoint(simulator, times, paths, step=1e-4, close=1e-12):
+    motion = simulator.run(times, sensitivities=paths, step=step)
+    random = np.random.default_rng(len(paths))
+    names = [str(name).removesuffix("_sensitivity") for name in motion if str(name).endswith("_sensitivity")]
+    weights = xr.Dataset({name: _random_weights(random, motion[f"{name}_sensitivity"]) for name in names})
+    expected = sum((weights[name] * motion[f"{name}_sensitivity"]).sum(weights[name].dims) for name in names)
+    found = simulator.adjoint(times, weights, parameters=paths, step=step)
+    assert found["parameter"].values.tolist() == list(paths)
+    np.testing.assert_allclose(found, expected, rtol=1e-10, atol=close * np.abs(expected).max())
+
+
+def _random_weights(random, sensitivity):
+    """Such that no quantity outweighs the others."""
+    scale = float(np.abs(sensitivity).max()) + 1.0
+    return xr.DataArray(random.normal(size=sensitivity.shape[:-1]) / scale, dims=sensitivity.dims[:-1])
 
 
 def _functions(law, sizes):

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from attrs import evolve
 
-from crashkit.errors import CrashkitError
 from crashkit.mechanics import Simulator, compile_engine, functions_of
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.protocols import ParameterSpec, SpringLaw
@@ -196,11 +195,23 @@ def test_a_jump_at_the_turn_at_a_rate_and_of_a_memory(strange, way):
     compare(motion, way, [*(parameters[name] for name in names), 1.0], [*names, "body.mass.velocity"])
 
 
-def test_the_adjoint_refuses_a_jump(simulator, against_wall):
-    model = against_wall("brittle", {"stiffness": 1.3, "fracture_deformation": LIMIT})
-    weights = simulator(model).run(TIMES)[["position"]]
-    with pytest.raises(CrashkitError, match="expected laws whose force does not jump, found brittle"):
-        simulator(model).adjoint(TIMES, weights, parameters=["body.mass.mass"])
+@pytest.mark.parametrize("name", STRANGE)
+def test_the_adjoint_of_a_jump_at_the_turn_at_a_rate_and_of_a_memory(strange, check_adjoint, name):
+    paths = [*strange[name].model.parameters(), "body.mass.velocity", "body.mass.position"]
+    check_adjoint(strange[name], TIMES, paths, STEP)
+
+
+def test_the_adjoint_of_struts_that_break_together(simulator, against_wall, joint, check_adjoint):
+    half = {"stiffness": 0.65, "fracture_deformation": LIMIT, "loss": 0.7}
+    struts = tuple(joint(name, ("wall", "mass"), "brittle", half) for name in ("left", "right"))
+    model = evolve(against_wall("brittle", half), joints=struts)
+    check_adjoint(simulator(model), TIMES, [*model.parameters(), "body.mass.velocity"], STEP)
+
+
+def test_the_adjoint_of_a_factor_that_breaks(simulator, against_wall, check_adjoint):
+    values = {"stiffness": 1.3, "stop_deformation": 0.0, "fracture_deformation": LIMIT, "loss": 0.7}
+    model = against_wall("linear_stop", values, mass=1.2, factors=("fracture",))
+    check_adjoint(simulator(model), TIMES, [*model.parameters(), "body.mass.velocity"], STEP)
 
 
 # ---- plane motion ----

@@ -12,13 +12,16 @@ the adjoint at its start is lam + mu_0 + mu_1 + mu_2 + mu_3, and what stands in 
 
 import numpy as np
 
-from crashkit.mechanics.kernel.arrays import END, START, TO_D, TO_D_MAX, TO_MEMORY, TO_PARAMETERS, TO_RATE
+from crashkit.mechanics.kernel.arrays import END, NONE, START, TO_D, TO_D_MAX, TO_MEMORY, TO_PARAMETERS, TO_RATE
 from crashkit.mechanics.kernel.forces import accelerate, add_given, begin_forces, kinematics, push
+from crashkit.mechanics.kernel.history import recall, recall_branches
+from crashkit.mechanics.kernel.jumps import jumping_function, lateness
 from crashkit.mechanics.kernel.line import (
     AXES,
     DOF,
     bend_adjoint,
     locate,
+    measure_points,
     rates_adjoint,
     respond_adjoint,
     to_rotations_adjoint,
@@ -28,28 +31,6 @@ from crashkit.mechanics.kernel.steps import try_step
 from crashkit.mechanics.kernel.tangents import joint_partials
 
 # ---- compiled from here ----
-
-
-@compiled
-def recall(bodies, joints, functions, state, history, s):
-    """Return to the start of a step of the history; returns its time, its piece and the entry of the record that it is."""
-    size = state.shape[1] // 2
-    for i in range(size):
-        state[START, i] = history[s, i]
-    t, piece, k = history[s, size], int(history[s, size + 1]), int(history[s, size + 2])
-    end = size + 3
-    for joint in joints:
-        joint.d_max = history[s, end]
-        joint.loading = int(history[s, end + 1])
-        end += 2
-    for function in functions:
-        function.mode = int(history[s, end])
-        function.memory_mode = int(history[s, end + 1])
-        end += 2
-    if AXES == 3:
-        for i in range(4 * bodies.size):
-            bodies[i // 4].frame[9 + i % 4] = history[s, end + i]
-    return t, piece, k
 
 
 @compiled
@@ -66,6 +47,30 @@ def memory_adjoint(function, joint, parameters, state, row, wanted, slopes, lam,
 
 
 @compiled
+def motion_adjoint(bodies, joint, state, row, d_bar, rate_bar, force, load, lam, own):
+    """Carry the adjoints of a joint's deformation, of its rate and of its direction back to the state and to its own.
+
+    Arguments:
+        force, load: the joint's, and the adjoint of the forces and moments on the bodies.
+    """
+    n = DOF * bodies.size
+    a, b = DOF * joint.first, DOF * joint.second
+    own[1] += d_bar
+    for i in range(DOF):
+        joint.along[i] = rate_bar * state[row, n + a + i] - force * load[a + i]
+        joint.along[DOF + i] = rate_bar * state[row, n + b + i] - force * load[b + i]
+        lam[n + a + i] += rate_bar * joint.gradient[i]
+        lam[n + b + i] += rate_bar * joint.gradient[DOF + i]
+    measure_points(bodies, joint)
+    bend_adjoint(bodies, joint)
+    for i in range(DOF):
+        lam[a + i] += d_bar * joint.gradient[i] + joint.bend[i]
+        lam[b + i] += d_bar * joint.gradient[DOF + i] + joint.bend[DOF + i]
+    for m in range(2 * AXES):
+        own[2 + m] += d_bar * joint.gradient[2 * DOF + m] + joint.bend[2 * DOF + m]
+
+
+@compiled
 def joint_adjoint(
     bodies, joint, functions, parameters, state, partials, row, response, load, seeds, lam, parameter_gradient, own
 ):
@@ -77,7 +82,6 @@ def joint_adjoint(
         seeds: of the joint's own force, deformation and rate.
         own: of its largest deformation, its rest and its attachments.
     """
-    n = DOF * bodies.size
     a, b = DOF * joint.first, DOF * joint.second
     wanted = seeds[0]
     for i in range(DOF):
@@ -98,40 +102,14 @@ def joint_adjoint(
             d_bar += to_d + (to_d_max if joint.loading else 0.0)
             rate_bar += to_rate
             own[0] += 0.0 if joint.loading else to_d_max
-    own[1] += d_bar
-    for i in range(DOF):
-        joint.along[i] = rate_bar * state[row, n + a + i] - force * load[a + i]
-        joint.along[DOF + i] = rate_bar * state[row, n + b + i] - force * load[b + i]
-        lam[n + a + i] += rate_bar * joint.gradient[i]
-        lam[n + b + i] += rate_bar * joint.gradient[DOF + i]
-    bend_adjoint(bodies, joint)
-    for i in range(DOF):
-        lam[a + i] += d_bar * joint.gradient[i] + joint.bend[i]
-        lam[b + i] += d_bar * joint.gradient[DOF + i] + joint.bend[DOF + i]
-    for m in range(2 * AXES):
-        own[2 + m] += d_bar * joint.gradient[2 * DOF + m] + joint.bend[2 * DOF + m]
+    motion_adjoint(bodies, joint, state, row, d_bar, rate_bar, force, load, lam, own)
 
 
 @compiled
 def accelerate_adjoint(
-    bodies,
-    joints,
-    functions,
-    parameters,
-    given,
-    state,
-    partials,
-    row,
-    t,
-    piece,
-    response,
-    seeds,
-    lam,
-    load,
-    parameter_gradient,
-    joint_gradient,
-    body_gradient,
-):
+    bodies, joints, functions, parameters, given, state, partials, row, t, piece, response, seeds, lam, load,
+    parameter_gradient, joint_gradient, body_gradient,
+):  # fmt: skip
     """Add to `lam` and to the gradients what the adjoint `response` of the state's derivative at a stage brings.
 
     Arguments:
@@ -160,6 +138,7 @@ def accelerate_adjoint(
 def deformation_adjoint(bodies, joint, state, wanted, lam, own):
     """Carry the adjoint of a joint's deformation at START back to the state, its rest and its attachments."""
     kinematics(bodies, joint, state, START)
+    measure_points(bodies, joint)
     own[1] += wanted
     for k in range(DOF):
         lam[DOF * joint.first + k] += wanted * joint.gradient[k]
@@ -174,7 +153,7 @@ def thaw(bodies, joints, state, history, s, lam, joint_gradient):
     locate(bodies, state, START)
     for j in range(joints.size):
         joint, own = joints[j], joint_gradient[j]
-        if s > 0 and not joint.loading and history[s - 1, state.shape[1] // 2 + 4 + 2 * j] > 0.0:
+        if s > 0 and not joint.loading and history[s - 1, state.shape[1] // 2 + 5 + 2 * j] > 0.0:
             deformation_adjoint(bodies, joint, state, own[0], lam, own)
             own[0] = 0.0
 
@@ -198,24 +177,84 @@ def begin_adjoint(bodies, joints, state, lam, joint_gradient, free):
 
 
 @compiled
-def sweep(
-    history,
-    steps,
-    bodies,
-    joints,
-    functions,
-    parameters,
-    given,
-    state,
-    partials,
-    seeds,
-    own_seeds,
-    free,
-    lam,
-    parameter_gradient,
+def jump_adjoint(bodies, joint, function, state, slopes, wanted, nothing, lam, parameter_gradient, own):
+    """Carry the adjoint of the time of a crossing whose guard has these slopes back, at START."""
+    wanted *= lateness(bodies, joint, function, state, slopes)
+    to_d_max = wanted * slopes[TO_D_MAX]
+    d_bar, rate_bar = wanted * slopes[TO_D], wanted * slopes[TO_RATE]
+    if joint.loading:
+        d_bar += to_d_max
+    else:
+        own[0] += to_d_max
+    if function.memory >= 0:
+        lam[function.memory] += wanted * slopes[TO_MEMORY]
+    for i in range(function.count):
+        parameter_gradient[function.offset + i] += wanted * slopes[TO_PARAMETERS + i]
+    motion_adjoint(bodies, joint, state, START, d_bar, rate_bar, 0.0, nothing, lam, own)
+
+
+@compiled
+def change_adjoint(
+    bodies, joints, functions, parameters, given, state, partials, history, s, t, piece, nothing, lam, parameter_gradient,
     joint_gradient,
-    body_gradient,
-):
+):  # fmt: skip
+    """The transpose of `change_branches`: the joints return to their branches before step s, the last one first."""
+    size = state.shape[1] // 2
+    locate(bodies, state, START)
+    for back in range(joints.size):
+        j = joints.size - 1 - back
+        joint = joints[j]
+        recall_branches(joints, functions, history, s - 1, size, j)
+        f = jumping_function(bodies, joint, functions, parameters, state, partials)
+        if f != NONE:
+            recall_branches(joints, functions, history, s, size, j)
+            accelerate(bodies, joints, functions, parameters, given, state, START, t, piece)
+            wanted = 0.0
+            for i in range(size):
+                wanted -= state[START, size + i] * lam[i]
+            recall_branches(joints, functions, history, s - 1, size, j)
+            accelerate(bodies, joints, functions, parameters, given, state, START, t, piece)
+            for i in range(size):
+                wanted += state[START, size + i] * lam[i]
+            own = joint_gradient[j]
+            jump_adjoint(bodies, joint, functions[f], state, partials[f], wanted, nothing, lam, parameter_gradient, own)
+
+
+@compiled
+def step_adjoint(
+    bodies, joints, functions, parameters, given, state, partials, t, piece, h, response, nothing, lam, mu, load,
+    parameter_gradient, joint_gradient, body_gradient,
+):  # fmt: skip
+    """Take a step again, whose start is at START, and carry the adjoint at its end back to its start.
+
+    Arguments:
+        response, load, mu: room for the adjoints of a stage's derivative, of its forces, and of its state.
+        nothing: zeros.
+    """
+    size = state.shape[1] // 2
+    try_step(bodies, joints, functions, parameters, given, state, t, piece, h)
+    to_rotations_adjoint(bodies, state, lam, END)
+    for row in range(3, -1, -1):
+        part = h if row == 3 else 0.0 if row == 0 else 0.5 * h
+        for i in range(size):
+            response[i] = (h / 3.0 if 0 < row < 3 else h / 6.0) * lam[i]
+            if row < 3:
+                response[i] += (h if row == 2 else 0.5 * h) * mu[row + 1, i]
+            mu[row, i] = 0.0
+        accelerate_adjoint(
+            bodies, joints, functions, parameters, given, state, partials, row, t + part, piece, response, nothing, mu[row],
+            load, parameter_gradient, joint_gradient, body_gradient,
+        )  # fmt: skip
+        to_rotations_adjoint(bodies, state, mu[row], row)
+    for i in range(size):
+        lam[i] += mu[0, i] + mu[1, i] + mu[2, i] + mu[3, i]
+
+
+@compiled
+def sweep(
+    history, steps, bodies, joints, functions, parameters, given, state, partials, seeds, own_seeds, free, lam,
+    parameter_gradient, joint_gradient, body_gradient,
+):  # fmt: skip
     """Go back through the steps of a run.
 
     Arguments:
@@ -232,65 +271,28 @@ def sweep(
     mu, later = np.zeros((4, size)), 0.0
     for back in range(steps):
         s = steps - 1 - back
-        t, piece, k = recall(bodies, joints, functions, state, history, s)
+        t, piece, k, crossing = recall(bodies, joints, functions, state, history, s)
         accelerate(bodies, joints, functions, parameters, given, state, START, t, piece)
         if back > 0:
-            h = later - t
-            try_step(bodies, joints, functions, parameters, given, state, t, piece, h)
-            to_rotations_adjoint(bodies, state, lam, END)
-            for row in range(3, -1, -1):
-                part = h if row == 3 else 0.0 if row == 0 else 0.5 * h
-                for i in range(size):
-                    response[i] = (h / 3.0 if 0 < row < 3 else h / 6.0) * lam[i]
-                    if row < 3:
-                        response[i] += (h if row == 2 else 0.5 * h) * mu[row + 1, i]
-                    mu[row, i] = 0.0
-                accelerate_adjoint(
-                    bodies,
-                    joints,
-                    functions,
-                    parameters,
-                    given,
-                    state,
-                    partials,
-                    row,
-                    t + part,
-                    piece,
-                    response,
-                    nothing,
-                    mu[row],
-                    load,
-                    parameter_gradient,
-                    joint_gradient,
-                    body_gradient,
-                )
-                to_rotations_adjoint(bodies, state, mu[row], row)
-            for i in range(size):
-                lam[i] += mu[0, i] + mu[1, i] + mu[2, i] + mu[3, i]
+            step_adjoint(
+                bodies, joints, functions, parameters, given, state, partials, t, piece, later - t, response, nothing, lam, mu,
+                load, parameter_gradient, joint_gradient, body_gradient,
+            )  # fmt: skip
         if k >= 0:
             for i in range(size):
                 response[i] = seeds[k, size + i]
             accelerate_adjoint(
-                bodies,
-                joints,
-                functions,
-                parameters,
-                given,
-                state,
-                partials,
-                START,
-                t,
-                piece,
-                response,
-                own_seeds[k],
-                lam,
-                load,
-                parameter_gradient,
-                joint_gradient,
-                body_gradient,
-            )
+                bodies, joints, functions, parameters, given, state, partials, START, t, piece, response, own_seeds[k], lam,
+                load, parameter_gradient, joint_gradient, body_gradient,
+            )  # fmt: skip
             for i in range(size):
                 lam[i] += seeds[k, i]
+        if crossing and s > 0:
+            change_adjoint(
+                bodies, joints, functions, parameters, given, state, partials, history, s, t, piece, nothing, lam,
+                parameter_gradient, joint_gradient,
+            )  # fmt: skip
+            recall(bodies, joints, functions, state, history, s)
         thaw(bodies, joints, state, history, s, lam, joint_gradient)
         later = t
     begin_adjoint(bodies, joints, state, lam, joint_gradient, free)

@@ -27,9 +27,14 @@ def measure(bodies, joint, state, row):
     side = joint.places[6]
     joint.gradient[0] = side
     joint.gradient[1] = -side
-    joint.gradient[2] = side
-    joint.gradient[3] = -side
     return side * (state[row, joint.second] + joint.places[3] - state[row, joint.first] - joint.places[0])
+
+
+@compiled
+def measure_points(bodies, joint):
+    """The gradient of the deformation to the attachments."""
+    joint.gradient[2] = joint.gradient[0]
+    joint.gradient[3] = joint.gradient[1]
 
 
 @compiled

@@ -48,27 +48,22 @@ def measure(bodies, joint, state, row):
     dy = state[row, 3 * b + 1] + by - state[row, 3 * a + 1] - ay
     if joint.face:
         nx, ny = arm(bodies[a], joint.places[6], joint.places[7])
-        length = nx * dx + ny * dy
+        length, inverse = nx * dx + ny * dy, 0.0
         ax += dx
         ay += dy
     else:
         length = math.sqrt(dx * dx + dy * dy)
-        nx, ny = dx / length, dy / length
+        inverse = 1.0 / length
+        nx, ny = inverse * dx, inverse * dy
     joint.gradient[0] = nx
     joint.gradient[1] = ny
     joint.gradient[2] = ax * ny - ay * nx
     joint.gradient[3] = -nx
     joint.gradient[4] = -ny
     joint.gradient[5] = by * nx - bx * ny
-    ca, sa = bodies[a].frame[0], bodies[a].frame[1]
-    cb, sb = bodies[b].frame[0], bodies[b].frame[1]
-    joint.gradient[6] = ca * nx + sa * ny
-    joint.gradient[7] = ca * ny - sa * nx
-    joint.gradient[8] = -cb * nx - sb * ny
-    joint.gradient[9] = sb * nx - cb * ny
     joint.shape[0] = nx * ax + ny * ay
     joint.shape[1] = nx * bx + ny * by
-    joint.shape[2] = 1.0 / length
+    joint.shape[2] = inverse
     return length
 
 
@@ -106,6 +101,18 @@ def bend(bodies, joint):
     joint.bend[7] = (turned - w[2]) * (sa * ny + ca * nx)
     joint.bend[8] = (turned - w[5]) * (cb * ny - sb * nx)
     joint.bend[9] = -(turned - w[5]) * (sb * ny + cb * nx)
+
+
+@compiled
+def measure_points(bodies, joint):
+    """The gradient of the deformation to the attachments."""
+    nx, ny = joint.gradient[0], joint.gradient[1]
+    ca, sa = bodies[joint.first].frame[0], bodies[joint.first].frame[1]
+    cb, sb = bodies[joint.second].frame[0], bodies[joint.second].frame[1]
+    joint.gradient[6] = ca * nx + sa * ny
+    joint.gradient[7] = ca * ny - sa * nx
+    joint.gradient[8] = -cb * nx - sb * ny
+    joint.gradient[9] = sb * nx - cb * ny
 
 
 @compiled

@@ -14,17 +14,13 @@ from crashkit.mechanics.kernel.arrays import (
     REST,
     START,
 )
-from crashkit.mechanics.kernel.forces import accelerate, kinematics
+from crashkit.mechanics.kernel.forces import kinematics
+from crashkit.mechanics.kernel.history import remember
+from crashkit.mechanics.kernel.jumps import change_branches
 from crashkit.mechanics.kernel.line import AXES, CURVED, DOF, locate, settle
-from crashkit.mechanics.kernel.stand_ins import compiled
-from crashkit.mechanics.kernel.steps import RESOLUTION, choose_branches, choose_branches_of, find_step, try_step
-from crashkit.mechanics.kernel.tangents import (
-    accelerate_tangent,
-    crossing_tangent,
-    deformation_tangent,
-    freeze_tangent,
-    step_tangent,
-)
+from crashkit.mechanics.kernel.stand_ins import compiled, inlined
+from crashkit.mechanics.kernel.steps import RESOLUTION, choose_branches, find_step, try_step
+from crashkit.mechanics.kernel.tangents import accelerate_tangent, deformation_tangent, step_tangent
 
 # ---- compiled from here ----
 
@@ -116,183 +112,89 @@ def is_smooth(bodies, state):
     return change <= 1e-6 * largest
 
 
-@compiled
-def remember(bodies, joints, functions, state, t, piece, k, history, s):
-    """The step that begins at START becomes entry s of the history."""
-    end = state.shape[1] // 2
-    for i in range(end):
-        history[s, i] = state[START, i]
-    history[s, end] = t
-    history[s, end + 1] = piece
-    history[s, end + 2] = k
-    end += 3
-    for joint in joints:
-        history[s, end] = joint.d_max
-        history[s, end + 1] = joint.loading
-        end += 2
-    for function in functions:
-        history[s, end] = function.mode
-        history[s, end + 1] = function.memory_mode
-        end += 2
-    if AXES == 3:
-        for i in range(4 * bodies.size):
-            history[s, end + i] = bodies[i // 4].frame[9 + i % 4]
+@inlined
+def piece_at(given, t, piece, step):
+    """The piece of what is given that begins at t or is still going on."""
+    while piece + 1 < given.shape[0] and given[piece + 1, 0] <= t + RESOLUTION * step:
+        piece += 1
+    return piece
 
 
-@compiled
-def change_branches(
-    bodies,
-    joints,
-    functions,
-    parameters,
-    given,
-    state,
-    columns,
-    partials,
-    tangent,
-    joint_tangent,
-    net_tangent,
-    t,
-    piece,
-    ahead,
-):
-    """Change to the branches beyond a crossing, one joint after another; returns the smallest guard there and its joint.
+@inlined
+def longest_step(left, step):
+    """An equal share of the time left, no longer than a step."""
+    return left / max(1.0, math.ceil(left / step - 1e-6))
 
-    Where the force of a joint jumps, the derivatives are given their jump.
-    """
-    size, jumps = state.shape[1] // 2, False
-    locate(bodies, state, START)
-    if tangent.shape[2] > 0:
-        freeze_tangent(bodies, joints, state, tangent, joint_tangent, net_tangent)
-    for j in range(joints.size):
-        joint, own = joints[j], joint_tangent[j]
-        if tangent.shape[2] > 0:
-            jumps = crossing_tangent(bodies, joint, functions, parameters, state, columns, partials, tangent, own, net_tangent)
-        choose_branches_of(bodies, joint, functions, parameters, state, ahead)
-        if jumps:
-            for i in range(size):
-                state[1, size + i] = state[START, size + i]
-            accelerate(bodies, joints, functions, parameters, given, state, START, t, piece)
-            for i in range(size):
-                jump = state[1, size + i] - state[START, size + i]
-                for c in range(tangent.shape[2]):
-                    tangent[START, i, c] += jump * own[FORCE, c]
-    return accelerate(bodies, joints, functions, parameters, given, state, START, t, piece)
+
+@inlined
+def choose_step(bodies, joints, functions, parameters, given, state, t, piece, longest, guard, step, blind):
+    """Take a step into the row END: one that lands on crossings, or a short one that is `blind` to them; see `find_step`."""
+    if blind:
+        h = min(longest, BLIND * step)
+        guard, culprit, _ = try_step(bodies, joints, functions, parameters, given, state, t, piece, h)
+        return h, True, 0.0, guard, culprit
+    return find_step(bodies, joints, functions, parameters, given, state, t, piece, longest, guard, step)
+
+
+@inlined
+def go_on(bodies, state):
+    """The end of a step becomes the start of the next."""
+    for i in range(state.shape[1]):
+        state[START, i] = state[END, i]
+    settle(bodies, state)
 
 
 @compiled
 def integrate(
-    times,
-    step,
-    bodies,
-    joints,
-    functions,
-    parameters,
-    given,
-    state,
-    columns,
-    partials,
-    tangent,
-    joint_tangent,
-    net_tangent,
-    values,
-    tangents,
-    history,
-):
+    times, step, bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, net_tangent,
+    values, tangents, history,
+):  # fmt: skip
     """Run from t = 0 through `times`; returns how it ended, the joint concerned, the time and the number of steps."""
     t, since, crossings, k, piece, s = 0.0, 0.0, 0, START, START, START
-    crossing, ahead = True, 0.0
-    guard, culprit = math.inf, NONE
-    rows = tangent.reshape((tangent.shape[0], -1))
+    crossing, ahead, guard, culprit = True, 0.0, math.inf, NONE
     begin(bodies, joints, state, tangent, joint_tangent, net_tangent)
     choose_branches(bodies, joints, functions, parameters, state, ahead)
     while True:
-        while piece + 1 < given.shape[0] and given[piece + 1, 0] <= t + RESOLUTION * step:
-            piece += 1
-            crossing = True
-        if crossing:
+        before, piece = piece, piece_at(given, t, piece, step)
+        changing = crossing or piece > before
+        if changing:
             guard, culprit = change_branches(
-                bodies,
-                joints,
-                functions,
-                parameters,
-                given,
-                state,
-                columns,
-                partials,
-                tangent,
-                joint_tangent,
-                net_tangent,
-                t,
-                piece,
-                ahead,
-            )
+                bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, net_tangent,
+                t, piece, ahead,
+            )  # fmt: skip
         if guard == -math.inf or crossings > MAX_CROSSINGS:
             return NOT_FINITE if guard == -math.inf or ahead > 0.0 else NO_PROGRESS, culprit, t, s
         if tangent.shape[2] > 0:
             accelerate_tangent(
-                bodies,
-                joints,
-                functions,
-                parameters,
-                given,
-                state,
-                columns,
-                partials,
-                tangent,
-                rows,
-                joint_tangent,
-                net_tangent,
-                START,
-                t,
-                piece,
-            )
+                bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, net_tangent,
+                START, t, piece,
+            )  # fmt: skip
         due = NONE
         if times[k] - t <= RESOLUTION * step:
-            t = times[k]
+            t, due = times[k], k
             write(bodies, joints, state, tangent, joint_tangent, net_tangent, values, tangents, k)
-            due = k
             k += 1
         if history.shape[0] > 0:
             if s == history.shape[0]:
                 return FULL, NONE, t, s
-            remember(bodies, joints, functions, state, t, piece, due, history, s)
+            remember(bodies, joints, functions, state, t, piece, due, changing, history, s)
             s += 1
         if k == times.size:
             return DONE, NONE, t, s
-        remaining = times[k] - t
-        longest = remaining / max(1.0, math.ceil(remaining / step - 1e-6))
-        if crossings > PATIENCE + joints.size and is_smooth(bodies, state):
-            h, crossing, ahead, crossings = min(longest, BLIND * step), True, 0.0, crossings - 1
-            guard, culprit, _ = try_step(bodies, joints, functions, parameters, given, state, t, piece, h)
-        else:
-            h, crossing, ahead, guard, culprit = find_step(
-                bodies, joints, functions, parameters, given, state, t, piece, longest, guard, step
-            )
+        blind = crossings > PATIENCE + joints.size and is_smooth(bodies, state)
+        crossings -= blind
+        h, crossing, ahead, guard, culprit = choose_step(
+            bodies, joints, functions, parameters, given, state, t, piece, longest_step(times[k] - t, step), guard, step, blind
+        )
         met = meeting(joints)
         if met != NONE:
             return MEETING, met, t, s
         if tangent.shape[2] > 0:
             step_tangent(
-                bodies,
-                joints,
-                functions,
-                parameters,
-                given,
-                state,
-                columns,
-                partials,
-                tangent,
-                rows,
-                joint_tangent,
-                net_tangent,
-                t,
-                piece,
-                h,
-            )
-        for i in range(state.shape[1]):
-            state[START, i] = state[END, i]
-        settle(bodies, state)
+                bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, net_tangent,
+                t, piece, h,
+            )  # fmt: skip
+        go_on(bodies, state)
         t += h
         if t - since > step:
             since, crossings = t, 0
@@ -301,47 +203,17 @@ def integrate(
 
 @compiled
 def integrate_many(
-    times,
-    step,
-    bodies,
-    joints,
-    functions,
-    parameters,
-    given,
-    starts,
-    state,
-    columns,
-    partials,
-    tangent,
-    joint_tangent,
-    net_tangent,
-    values,
-    tangents,
-    history,
-    ends,
-):
+    times, step, bodies, joints, functions, parameters, given, starts, state, columns, partials, tangent, joint_tangent,
+    net_tangent, values, tangents, history, ends,
+):  # fmt: skip
     """Many runs of one model; `ends` (run, 3) is how each ended, the joint concerned and the time."""
     for r in range(bodies.shape[0]):
         for i in range(starts.shape[1]):
             state[START, i] = starts[r, i]
         status, culprit, t, s = integrate(
-            times,
-            step,
-            bodies[r],
-            joints[r],
-            functions,
-            parameters[r],
-            given,
-            state,
-            columns,
-            partials,
-            tangent,
-            joint_tangent,
-            net_tangent,
-            values[r],
-            tangents,
-            history,
-        )
+            times, step, bodies[r], joints[r], functions, parameters[r], given, state, columns, partials, tangent,
+            joint_tangent, net_tangent, values[r], tangents, history,
+        )  # fmt: skip
         ends[r, 0] = status
         ends[r, 1] = culprit
         ends[r, 2] = t

@@ -6,11 +6,8 @@ F = F(d, ddot, d_max, z, p) puts -F D on them, and
 
     d_c = rest_c + D q_c,  ddot_c = D v_c + v H q_c,  -(F D)_c = -F_c D - F H q_c.
 
-A crossing where the force is continuous gives them no jump. Where it jumps, with f- and f+ the state's derivatives on its two
-sides and g the guard whose zero it is, the derivatives jump by (f- - f+) tau_c, tau_c = -g_c / g' (saltation).
+A crossing where the force is continuous gives them no jump; for others see jumps.py.
 """
-
-import math
 
 from crashkit.mechanics.kernel.arrays import (
     D_MAX,
@@ -28,16 +25,16 @@ from crashkit.mechanics.kernel.arrays import (
 from crashkit.mechanics.kernel.forces import add_given, begin_forces, kinematics, push
 from crashkit.mechanics.kernel.line import (
     AXES,
-    CURVED,
     DOF,
     bend,
     bend_to_point,
+    measure_points,
     push_tangent,
     rates_tangent,
     respond_tangent,
     to_rotations,
 )
-from crashkit.mechanics.kernel.stand_ins import compiled, inlined, law_guard, law_partials
+from crashkit.mechanics.kernel.stand_ins import compiled, inlined, law_partials
 
 # ---- compiled from here ----
 
@@ -98,6 +95,7 @@ def point_columns(bodies, joint, state, own, net_tangent, row, force, to_d, to_r
     """
     n = DOF * bodies.size
     a, b = DOF * joint.first, DOF * joint.second
+    measure_points(bodies, joint)
     for m in range(2 * AXES):
         column = joint.point_columns[m]
         if column >= 0:
@@ -141,27 +139,9 @@ def memory_tangent(joint, function, parameters, state, columns, tangent, own, sl
 
 @compiled
 def accelerate_tangent(
-    bodies,
-    joints,
-    functions,
-    parameters,
-    given,
-    state,
-    columns,
-    partials,
-    tangent,
-    rows,
-    joint_tangent,
-    net_tangent,
-    row,
-    t,
-    piece,
+    bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, net_tangent, row, t, piece
 ):
-    """Derivatives of the state's derivative at a stage; the forces are taken anew.
-
-    Arguments:
-        rows: `tangent`, with one row for each stage.
-    """
+    """Derivatives of the state's derivative at a stage; the forces are taken anew."""
     size = state.shape[1] // 2
     begin_forces(bodies, state, row)
     for i in range(net_tangent.shape[0]):
@@ -182,28 +162,15 @@ def accelerate_tangent(
                 memory_tangent(joint, functions[f], parameters, state, columns, tangent, own, partials[f], row, size + memory)
     add_given(bodies, given, t, piece)
     respond_tangent(bodies, net_tangent, state, tangent, row)
-    rates_tangent(bodies, state, tangent, rows, row)
+    rates_tangent(bodies, state, tangent, tangent.reshape((tangent.shape[0], -1)), row)
 
 
 @compiled
 def step_tangent(
-    bodies,
-    joints,
-    functions,
-    parameters,
-    given,
-    state,
-    columns,
-    partials,
-    tangent,
-    rows,
-    joint_tangent,
-    net_tangent,
-    t,
-    piece,
-    h,
+    bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, net_tangent, t, piece, h
 ):
     """The derivative of the Runge-Kutta step whose stages `state` holds; START moves to its end."""
+    rows = tangent.reshape((tangent.shape[0], -1))
     half = rows.shape[1] // 2
     for row in range(1, 4):
         part = h if row == 3 else 0.5 * h
@@ -211,22 +178,9 @@ def step_tangent(
             rows[row, i] = rows[START, i] + part * rows[row - 1, half + i]
         to_rotations(bodies, state, tangent, row, row)
         accelerate_tangent(
-            bodies,
-            joints,
-            functions,
-            parameters,
-            given,
-            state,
-            columns,
-            partials,
-            tangent,
-            rows,
-            joint_tangent,
-            net_tangent,
-            row,
-            t + part,
-            piece,
-        )
+            bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, net_tangent,
+            row, t + part, piece,
+        )  # fmt: skip
     for i in range(half):
         inner = rows[1, half + i] + rows[2, half + i]
         rows[START, i] += h / 6.0 * (rows[START, half + i] + 2.0 * inner + rows[3, half + i])
@@ -242,71 +196,3 @@ def freeze_tangent(bodies, joints, state, tangent, joint_tangent, net_tangent):
             deformation_tangent(bodies, joints[j], state, tangent, joint_tangent[j], net_tangent, START)
             for c in range(tangent.shape[2]):
                 joint_tangent[j, D_MAX, c] = joint_tangent[j, DEFORMATION, c]
-
-
-@compiled
-def acceleration_of(bodies, joint, state):
-    """The second derivative of a joint's deformation in time, at START."""
-    n, second = DOF * bodies.size, 0.0
-    a, b = n + DOF * joint.first, n + DOF * joint.second
-    first = state.shape[1] // 2
-    for i in range(DOF):
-        joint.along[i] = state[START, a + i]
-        joint.along[DOF + i] = state[START, b + i]
-        second += joint.gradient[i] * state[START, first + a + i] + joint.gradient[DOF + i] * state[START, first + b + i]
-    if CURVED:
-        bend(bodies, joint)
-        for i in range(2 * DOF):
-            second += joint.bend[i] * joint.along[i]
-    return second
-
-
-@compiled
-def moment_tangent(bodies, joint, function, state, columns, tangent, own, slopes):
-    """Derivatives of the time at which a guard of this joint with these slopes vanishes, into `own[FORCE]`.
-
-    A guard that stands still, as between bodies that begin at rest to one another, is not crossed at any time.
-    """
-    size, z = state.shape[1] // 2, function.memory
-    speed = slopes[TO_D] * joint.ddot + slopes[TO_RATE] * acceleration_of(bodies, joint, state)
-    if joint.loading:
-        speed += slopes[TO_D_MAX] * joint.ddot
-    if z >= 0:
-        speed += slopes[TO_MEMORY] * state[START, size + z]
-    for c in range(tangent.shape[2]):
-        change = slopes[TO_D] * own[DEFORMATION, c] + slopes[TO_RATE] * own[RATE, c] + slopes[TO_D_MAX] * own[D_MAX, c]
-        own[FORCE, c] = change + slopes[TO_MEMORY] * tangent[START, z, c] if z >= 0 else change
-    for i in range(function.count):
-        if columns[function.offset + i] >= 0:
-            own[FORCE, columns[function.offset + i]] += slopes[TO_PARAMETERS + i]
-    for c in range(tangent.shape[2]):
-        own[FORCE, c] *= -1.0 / speed if speed != 0.0 else 0.0
-
-
-@compiled
-def crossing_tangent(bodies, joint, functions, parameters, state, columns, partials, tangent, own, net_tangent):
-    """Derivatives of the time of a crossing where the force of this joint may jump, into `own[FORCE]`; whether it is one.
-
-    A force may also jump where the joint turns round at its largest deformation: the guard is then the rate.
-    """
-    d, ddot = kinematics(bodies, joint, state, START)
-    d_max, turns = joint.d_max, False
-    if joint.loading:
-        d_max, turns = d, ddot < 0.0
-    deformation_tangent(bodies, joint, state, tangent, own, net_tangent, START)
-    for f in range(joint.start, joint.stop):
-        function, slopes = functions[f], partials[f]
-        o, z = function.offset, 0.0
-        guard = math.inf
-        if function.memory >= 0:
-            z = state[START, function.memory]
-            guard = law_guard(function.memory_number, function.memory_mode, d, ddot, d_max, z, parameters, o, slopes)
-        if guard >= 0.0:
-            guard = min(guard, law_guard(function.number, function.mode, d, ddot, d_max, z, parameters, o, slopes))
-        if guard < 0.0 or (turns and guard < math.inf):
-            if guard >= 0.0:
-                for i in range(TO_PARAMETERS + function.count):
-                    slopes[i] = 1.0 if i == TO_RATE else 0.0
-            moment_tangent(bodies, joint, function, state, columns, tangent, own, slopes)
-            return True
-    return False
