@@ -68,3 +68,17 @@ def test_missing_readings_are_no_residuals(problem):
     runs = {run: hidden(tree) for run, tree in problem.recordings.items()}
     coarse = Misfit(problem.model, runs, registry.spring_laws, registry.observers).coarse
     assert len(coarse.residual(coarse.start())) == sum(channel.samples for channel in coarse.channels) == 50 + 101
+
+
+def test_the_first_part_of_the_time_is_that_part_of_every_residual(problem):
+    early = problem.up_to(0.5)
+    end = 0.5 * max(group.times[-1] for group in problem.groups)
+    for part, group in zip(early.groups, problem.groups, strict=True):
+        assert part.times.tolist() == group.times[group.times <= end].tolist()
+        assert part.recorded.tolist() == group.recorded[: len(part.times)].tolist()
+    assert early.names == problem.names
+    assert early.independent_samples == pytest.approx(0.5 * problem.independent_samples, rel=0.05)
+
+
+def test_an_instrument_that_begins_later_has_no_part_in_it(problem):
+    assert problem.up_to(1e-6).groups == ()

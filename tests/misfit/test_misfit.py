@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from crashkit.errors import CrashkitError
 from crashkit.misfit.predictor import instrument_errors
@@ -247,3 +248,21 @@ def test_what_is_known_beforehand_pulls_by_the_logarithm(misfit, model, recorded
 def test_a_test_at_another_speed_knows_nothing_beforehand(misfit, model, recorded):
     own = misfit(model, run=recorded(model)).with_prior(0.2).at_speed(1.2)
     assert len(own.residual(own.start())) == sum(channel.samples for channel in own.channels)
+
+
+def test_a_line_is_compared_with_what_was_recorded_along_it(misfit, model, recorded, changed):
+    def across(dataset):
+        other = dataset.assign_coords(axis=["z"])
+        return xr.concat([dataset, other], "axis", data_vars="minimal").assign_attrs(dataset.attrs)
+
+    run = recorded(model)
+    wide = changed(changed(run, "film", across), "accelerometer", across)
+    assert misfit(model, run=wide).start() == pytest.approx(misfit(model, run=run).start())
+    one, other = misfit(model, run=wide), misfit(model, run=run)
+    assert one.residual(one.start()) == pytest.approx(other.residual(other.start()), abs=1e-9)
+
+
+def test_an_instrument_across_the_line_of_the_model_is_named(misfit, model, recorded, changed):
+    run = changed(recorded(model), "film", lambda dataset: dataset.assign_coords(axis=["z"]))
+    with pytest.raises(CrashkitError, match="run: film/axis: expected the model's x, found z"):
+        misfit(model, run=run)
