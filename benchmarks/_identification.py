@@ -1,6 +1,8 @@
-"""What a user would write without crashkit: scipy's integrators inside scipy's optimisers, for the paper's toys."""
+"""What a user would write without crashkit: scipy's integrators inside scipy's or lmfit's optimisers, for the paper's toys."""
 
 from collections.abc import Callable
+from importlib import import_module
+from importlib.util import find_spec
 
 import numpy as np
 from attrs import frozen
@@ -37,6 +39,31 @@ PEERS = (
     Peer("scipy least_squares, RK45 1e-9, step 1e-5", "RK45", 1e-9, 1e-5),
     Peer("scipy least_squares, LSODA 1e-9, step 1e-5", "LSODA", 1e-9, 1e-5),
 )
+
+
+@frozen
+class Lmfit:
+    """lmfit's `minimize`, MINPACK's Levenberg-Marquardt on bounded parameters, over the same residuals."""
+
+    name: str = "lmfit minimize, RK45 1e-9, step 1e-5"
+
+    @property
+    def is_installed(self) -> bool:
+        """Whether it can be asked."""
+        return find_spec("lmfit") is not None
+
+    def fit(self, misfit: Misfit, first: np.ndarray) -> np.ndarray:
+        """The parameters from a start, each in units of its start."""
+        lmfit = import_module("lmfit")
+        residual, (lower, upper) = _residual(misfit, "RK45", 1e-9), map(misfit.parameters, misfit.bounds())
+        within, unknown = np.clip(first, lower, upper), lmfit.Parameters()
+        for number, (value, low, high) in enumerate(zip(within, lower, upper, strict=True)):
+            unknown.add(f"p{number}", value=1.0, min=low / value, max=high / value)
+        found = lmfit.minimize(lambda p: residual(within * np.array(list(p.valuesdict().values()))), unknown, epsfcn=1e-10)
+        return np.asarray(within * np.array(list(found.params.valuesdict().values())))
+
+
+LMFIT = Lmfit()
 
 
 def evolved(misfit: Misfit, seed: int) -> np.ndarray:
@@ -98,13 +125,13 @@ def _read(
 def _motion(known: dict[str, float], count: int) -> Callable[[float, np.ndarray], list[float]]:
     """The equations of motion of one or two bodies behind one another."""
     law = [[known[f"joint.{joint}.{name}"] for name in NAMES] for joint in ("first", "second")[:count]]
-    rear = known.get("body.rear.mass", np.nan)
+    rear, ratio = known.get("body.rear.mass", np.nan), known.get("joint.second.ratio", 1.0)
 
     def one(t: float, state: np.ndarray) -> list[float]:
         return [state[1], -_force(state[0], law[0]) / MASS]
 
     def two(t: float, state: np.ndarray) -> list[float]:
-        first, second = _force(state[0], law[0]), _force(state[1] - state[0], law[1])
+        first, second = _force(state[0], law[0]), ratio * _force(state[1] - state[0], law[1])
         return [state[2], state[3], (second - first) / MASS, -second / rear]
 
     return one if count == 1 else two

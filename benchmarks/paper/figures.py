@@ -25,9 +25,9 @@ SPEEDS = (0.7, 0.9, 1.1, 1.3)
 """Of the four runs of the non-parametric method."""
 SETS = {"8 x 8 degrees, scattered": ("scattered", 8), "2 x 2 degrees, scattered": ("scattered", 2), "direct": ("direct", 12)}
 STARTED, FOUND, WANTED = (
-    {"color": "tab:gray", "lw": 1.0, "ls": ":", "label": "start"},
+    {"color": "tab:blue", "lw": 1.2, "ls": ":", "label": "start"},
     {"color": "tab:red", "lw": 1.2, "ls": "--", "label": "identified"},
-    {"color": "black", "lw": 1.6, "alpha": 0.6, "label": "reference"},
+    {"color": "silver", "lw": 4.0, "label": "reference"},
 )
 TIME = toys.TIMES * toys.SPEED
 """In the paper's unit."""
@@ -47,10 +47,10 @@ def draw(folder: Path) -> None:
 
 
 def _figure_9() -> plt.Figure:
-    """Force over deformation at speed 1, by three surfaces and as it is."""
+    """Force over deformation at speed 0.9, by three surfaces and as it is."""
     registry, truth = load(), toys.one_degree()
     misfit = toys.problem(truth, truth, registry.spring_laws, registry.observers, SPEEDS, exact=True)
-    figure, axes = plt.subplots(1, len(SETS), figsize=(10, 3.2), sharey=True, layout="constrained")
+    figure, axes = plt.subplots(1, len(SETS), figsize=(10, 3.5), sharey=True, layout="constrained")
     motion = misfit.predictor.motion("speed_0.9", misfit.values(misfit.start()))
     deformation, rate, force = (motion[name].values[:, 0] for name in ("deformation", "deformation_rate", "force"))
     pressed = deformation > 0.0
@@ -62,7 +62,7 @@ def _figure_9() -> plt.Figure:
         panel.set(title=title, xlabel="deformation")
         panel.grid(alpha=0.3)
     axes[0].set_ylabel("force")
-    axes[0].legend(frameon=False)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False)
     return figure
 
 
@@ -72,18 +72,18 @@ def _curves(case: Case, methods: dict[str, str], speeds: Sequence[float]) -> plt
     columns = [(name, speed) for name in methods for speed in speeds]
     rows = 1 if case.is_single else 2
     figure, axes = plt.subplots(
-        rows, len(columns), figsize=(3.4 * len(columns), 2.6 * rows), squeeze=False, layout="constrained"
+        rows, len(columns), figsize=(3.6 * len(columns), 2.6 * rows + 0.3), squeeze=False, layout="constrained"
     )
     found = {name: _found(problem_of(case), truth, name) for name in methods}
     for column, (name, speed) in enumerate(columns):
         curves = [predicted(model, speed) for model in (start, truth, found[name])]
         for row in range(rows):
             _panel(axes[row, column], [curve[:, row] for curve in curves])
-        axes[0, column].set_title(f"{methods[name]}, speed {speed:g}")
+        axes[0, column].set_title(f"{methods[name]}, speed {speed:g} ({'fitted' if speed == 1.0 else 'predicted'})")
         axes[-1, column].set_xlabel("time")
     for row in range(rows):
         axes[row, 0].set_ylabel("acceleration" if case.is_single else f"acceleration of body {row + 1}")
-    axes[0, 0].legend(frameon=False)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3, frameon=False)
     return figure
 
 

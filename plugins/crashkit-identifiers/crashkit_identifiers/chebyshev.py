@@ -14,7 +14,7 @@ from crashkit.protocols import Identification, Identifier, Problem, Status
 from crashkit_identifiers.force_surface import Surface, fitted, interpolated, readings_of
 from crashkit_identifiers.levenberg_marquardt import Limits, Search, advance, begin
 from crashkit_identifiers.measured import known, measured_motions, require_seen
-from crashkit_identifiers.recorded import laws_of, with_recordings
+from crashkit_identifiers.recorded import laws_of, require_plain_line, with_recordings
 from crashkit_identifiers.result import Path, conclude
 from crashkit_identifiers.wrapped import SameVariables
 
@@ -81,6 +81,7 @@ class Chebyshev(Identifier[SurfaceState]):
     def start(self, problem: Problem) -> SurfaceState:
         """The surfaces, and the laws at the problem's own start."""
         misfit = with_recordings(problem, self.name)
+        require_plain_line(misfit, self.name)
         measured = measured_motions(misfit)
         require_seen(misfit, measured, self.name)
         if self.form == "direct":

@@ -11,21 +11,28 @@ NOTHING = 0.01
 
 def cost_at(problem: Problem, point: np.ndarray) -> float:
     """Half the sum of squared residuals; infinite where the model cannot be simulated, or blows up."""
+    return half_square(residual_at(problem, point))
+
+
+def residual_at(problem: Problem, point: np.ndarray) -> np.ndarray:
+    """The residuals; infinite where the model cannot be simulated."""
     try:
         # A trial far from the data may overflow: it is refused by its cost, which is no reason to warn.
         with np.errstate(over="ignore", invalid="ignore"):
-            residual = problem.residual(point)
-            cost = 0.5 * float(residual @ residual)
+            return problem.residual(point)
     except SimulationError:
-        return np.inf
+        return np.array([np.inf])
+
+
+def half_square(residual: np.ndarray) -> float:
+    """The cost of residuals; infinite where one of them is not finite."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        cost = 0.5 * float(residual @ residual)
     return cost if np.isfinite(cost) else np.inf
 
 
 def cost_and_gradient(problem: Problem, point: np.ndarray) -> tuple[float, np.ndarray]:
-    """The cost and its derivatives to the search variables: dJ/du = Jᵀr, here from forward sensitivities.
-
-    An adjoint gives the same for the price of one simulation more, however many parameters there are.
-    """
+    """The cost and its derivatives to the search variables: dJ/du = Jᵀr, from forward sensitivities."""
     try:
         with np.errstate(over="ignore", invalid="ignore"):
             residual, jacobian = problem.residual_and_jacobian(point)

@@ -108,14 +108,8 @@ class Readings:
 
 
 def readings_of(misfit: Misfit, measured: Mapping[str, xr.Dataset], per_run: int = MOST_READINGS) -> Readings:
-    """Readings evenly spread over each run, until its bodies move freely.
-
-    Raises:
-        CrashkitError: the model has several axes.
-    """
+    """Readings of a model in one axis, evenly spread over each run until its bodies move freely."""
     model = misfit.model
-    if len(model.axes) != 1:
-        raise CrashkitError(f"model {model.name}: expected one axis for force surfaces, found {', '.join(model.axes)}")
     moving = [body for body in model.bodies if not body.fixed]
     rows = [model.bodies.index(body) for body in moving]
     masses = np.array([body.mass.value for body in moving if body.mass is not None])

@@ -8,7 +8,11 @@ from crashkit.protocols import Problem, Status
 
 FIRST_DAMPING = 1e-3
 LARGEST_DAMPING = 1e12
+SHORT_STEPS = 1e4
+"""Damping from which a step is too short to tell."""
 ATTEMPTS = 12
+CHANCE = 1.0
+"""Half a χ² that chance alone makes."""
 EXACT = 1e-22
 """Share of the first cost that rounding leaves where a model fits exactly."""
 
@@ -22,7 +26,7 @@ class Search:
     gradient: np.ndarray
     curvature: np.ndarray
     damping: float
-    status: Status
+    status: Status = Status.RUNNING
     path: tuple[tuple[float, np.ndarray], ...] = field(default=())
 
 
@@ -59,23 +63,20 @@ def advance(problem: Problem, search: Search, limits: Limits) -> Search:
     if len(search.path) > limits.steps:
         return evolve(search, status=Status.STEP_LIMIT)
     for _ in range(ATTEMPTS):
-        move = _move(problem, search, limits.reach)
-        promised = -(search.gradient @ move + 0.5 * move @ search.curvature @ move)
+        move = damped_step(problem, search, limits.reach)
+        promised = promise(search, move)
         if promised <= max(limits.tolerance * search.cost, limits.least_drop, EXACT * search.path[0][0]):
-            return evolve(search, status=_verdict(search))
+            return evolve(search, status=_verdict(problem, search, limits.reach))
         accepted = _attempt(problem, search, search.point + move, promised)
         if accepted is not None:
             return accepted
         search = evolve(search, damping=min(search.damping * 8.0, LARGEST_DAMPING))
-    return evolve(search, status=Status.STALLED)
+    return evolve(search, status=_verdict(problem, search, limits.reach))
 
 
-def solve(problem: Problem, limits: Limits) -> Search:
-    """From start to end."""
-    search = begin(problem)
-    while search.status is Status.RUNNING:
-        search = advance(problem, search, limits)
-    return search
+def promise(search: Search, move: np.ndarray) -> float:
+    """The drop in cost that the derivatives promise of a step."""
+    return -float(search.gradient @ move + 0.5 * move @ search.curvature @ move)
 
 
 def _search_at(problem: Problem, point: np.ndarray, damping: float, path: tuple[tuple[float, np.ndarray], ...]) -> Search:
@@ -96,16 +97,26 @@ def _search_at(problem: Problem, point: np.ndarray, damping: float, path: tuple[
     return Search(point, cost, gradient, curvature, damping, Status.RUNNING, path)
 
 
-def _move(problem: Problem, search: Search, reach: float) -> np.ndarray:
+def damped_step(problem: Problem, search: Search, reach: float) -> np.ndarray:
     """The damped Gauss-Newton step within the bounds: what they stop is held there, until the others' moves draw it back."""
     lower, upper = _within(problem, search, reach)
     scale = np.diag(search.curvature).copy()
     scale[scale <= 0] = max(float(scale.max(initial=0.0)), 1.0) * 1e-12
-    damped = search.curvature + search.damping * np.diag(scale)
-    move = np.zeros(len(search.point))
-    free = np.ones(len(move), dtype=bool)
+    root = np.sqrt(scale)
+    damped = search.curvature / np.outer(root, root)
+    damped.flat[:: len(root) + 1] += search.damping
+    move = -np.linalg.solve(damped, search.gradient / root) / root
+    target = search.point + move
+    if ((target >= lower) & (target <= upper)).all():
+        return move
+    return _stopped_step(search, damped * np.outer(root, root), lower, upper)
+
+
+def _stopped_step(search: Search, damped: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """The least of the damped parabola within bounds, by taking variables to their bounds and back."""
+    move, free = np.zeros(len(search.point)), np.ones(len(search.point), dtype=bool)
     for _ in range(3 * len(move) + 1):
-        move[free] = _solve(search, scale, free, move)
+        move[free] = _solved(damped[free][:, free], search.gradient[free] + damped[free][:, ~free] @ move[~free])
         target = search.point + move
         outside = free & ((target < lower) | (target > upper))
         move[outside] = np.clip(target, lower, upper)[outside] - search.point[outside]
@@ -117,19 +128,18 @@ def _move(problem: Problem, search: Search, reach: float) -> np.ndarray:
     return move
 
 
+def _solved(matrix: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+    """The step to the least of a parabola, solved with its diagonal scaled to 1."""
+    root = np.sqrt(np.diag(matrix))
+    return -np.linalg.solve(matrix / np.outer(root, root), gradient / root) / root
+
+
 def _within(problem: Problem, search: Search, reach: float) -> tuple[np.ndarray, np.ndarray]:
     """The bounds of one step: those of the problem, and not too far in a logarithm."""
     lower, upper = problem.bounds()
     logarithmic = problem.scaling(search.point) != 1.0
     lower = np.where(logarithmic, np.maximum(lower, search.point - reach), lower)
     return lower, np.where(logarithmic, np.minimum(upper, search.point + reach), upper)
-
-
-def _solve(search: Search, scale: np.ndarray, free: np.ndarray, move: np.ndarray) -> np.ndarray:
-    root = np.sqrt(scale[free])
-    held = search.curvature[np.ix_(free, ~free)] @ move[~free]
-    matrix = search.curvature[np.ix_(free, free)] / np.outer(root, root) + search.damping * np.eye(int(free.sum()))
-    return -np.linalg.solve(matrix, (search.gradient[free] + held) / root) / root
 
 
 def _attempt(problem: Problem, search: Search, point: np.ndarray, promised: float) -> Search | None:
@@ -142,6 +152,14 @@ def _attempt(problem: Problem, search: Search, point: np.ndarray, promised: floa
     return evolve(there, damping=max(damping, 1e-15))
 
 
-def _verdict(search: Search) -> Status:
-    """A promise of nothing under heavy damping only says that the steps have become short."""
-    return Status.CONVERGED if search.damping < 1e4 else Status.STALLED
+def _verdict(problem: Problem, search: Search, reach: float) -> Status:
+    """A promise of nothing under heavy damping only says that the steps have become short.
+
+    It has converged all the same where an undamped step promises, and does not keep, what chance alone makes of a misfit: the
+    least misfit is at a kink, where a threshold was reached.
+    """
+    if search.damping < SHORT_STEPS:
+        return Status.CONVERGED
+    undamped = evolve(search, damping=FIRST_DAMPING)
+    is_chance = promise(undamped, damped_step(problem, undamped, reach)) < CHANCE
+    return Status.CONVERGED if is_chance else Status.STALLED

@@ -14,6 +14,8 @@ from crashkit_identifiers.spline import Reading, enough, smoothed
 
 INITIAL = {"position": 1e-5, "velocity": 1e-4}
 """m, m s-1: how well the state at t = 0 is taken to be known."""
+SAME_INSTANT = 1e-9
+"""s; readings closer than this are of one instant."""
 ORDERS = {"position": 0, "velocity": 1, "acceleration": 2}
 UNITS = {
     "position": "m",
@@ -85,11 +87,16 @@ def known(motion: xr.Dataset) -> xr.Dataset:
     return motion.isel(time=np.isfinite(motion["acceleration"].values).all(axis=(1, 2)))
 
 
+def thinned(motion: xr.Dataset, count: int) -> xr.Dataset:
+    """The motion at every so many instants, about `count` of them."""
+    return motion.isel(time=slice(None, None, max(1, round(motion.sizes["time"] / count))))
+
+
 def instants(misfit: Misfit, run: str) -> np.ndarray:
     """Every instant from t = 0 at which an instrument of the run reads something."""
     stamps = np.concatenate([[0.0], *(group.times for group in misfit.groups if group.run == run)])
     stamps = np.unique(stamps[stamps >= 0.0])
-    return stamps[np.concatenate([[True], np.diff(stamps) > 1e-9])]
+    return stamps[np.concatenate([[True], np.diff(stamps) > SAME_INSTANT])]
 
 
 @frozen(eq=False)

@@ -44,18 +44,18 @@ class Attempts:
     Arguments:
         search: the one under way.
         number: of its start.
-        slice: of time, that it works on; None once the best is fitted to everything.
-        kept: which residuals are no outliers.
+        stage: the number of the slice of time that it works on; None once the best is fitted to everything.
+        kept: which residuals are no outliers; (): all are kept.
         rounds: of leaving them out.
         ended: cost and point where each start ended.
-        path: of all searches so far.
+        past: the path of the searches before.
         status: of the whole.
     """
 
     search: Search
-    kept: np.ndarray
+    kept: np.ndarray = field(factory=lambda: np.zeros(0, dtype=bool))
     number: int = 0
-    slice: int | None = 0
+    stage: int | None = 0
     rounds: int = 0
     ended: tuple[tuple[float, np.ndarray], ...] = field(default=())
     past: Path = field(default=())
@@ -82,11 +82,9 @@ class MultiStart(Identifier[Attempts]):
     """Gauss-Newton steps in a trust region of the parameters' logarithms, from as many starts as it takes.
 
     The first search begins at the model's own values, in short steps, at few instants. Where it ends above the noise, others
-    follow: in slices of time that grow, from there, from starts scattered about it, and from
-    the best so far with what is not felt there moved. The first that leaves no more than
-    noise is taken; else, the best once six of them agree
-    and all parameters are felt there, or of them all. It is fitted to all readings; outliers are left out, provided
-    that the rest is then at its noise.
+    follow: in slices of time that grow, from there, from starts scattered about it, and from the best so far with what is not
+    felt there moved. The first that leaves no more than noise is taken; else, the best once six of them agree and all
+    parameters are felt there, or of them all. It is fitted to all readings, and again without outliers.
 
     Arguments:
         starts: at most.
@@ -105,40 +103,42 @@ class MultiStart(Identifier[Attempts]):
 
     def start(self, problem: Problem) -> Attempts:
         """The state at the problem's own start."""
-        return Attempts(begin(self._early(problem, 1.0)), np.zeros(0, dtype=bool))
+        return Attempts(begin(self._early(problem, 1.0)))
 
     def step(self, problem: Problem, state: Attempts) -> Attempts:
         """One accepted step of the search under way, or the next search."""
         if state.status is not Status.RUNNING:
             return state
-        if state.slice is not None:
-            return self._guess(problem, state, state.slice)
+        if state.stage is not None:
+            return self._guess(problem, state, state.stage)
         search = advance(self._late(problem, state.kept), state.search, self._limits(state))
         return evolve(state, search=search) if search.status is Status.RUNNING else self._judge(problem, state, search)
 
     def finish(self, problem: Problem, state: Attempts) -> Identification:
         """The parameters, with what is known of them without the outliers."""
-        objective = self._late(problem, state.kept) if state.kept.size else with_prior(problem, self.prior)
-        found = conclude(problem, state.point, state.status, state.path, objective)
+        found = conclude(problem, state.point, state.status, state.path, self._late(problem, state.kept))
         remarks = [found.parameters.attrs["remarks"], *self._remarks(problem, state)]
         found.parameters.attrs["remarks"] = " ".join(filter(None, remarks))
         return found
 
-    def _guess(self, problem: Problem, state: Attempts, slice: int) -> Attempts:
+    def _guess(self, problem: Problem, state: Attempts, stage: int) -> Attempts:
         """A step at few instants, or what follows the last one."""
         shares, limits = (SLICES, LOOSE) if state.number else (WHOLE, SHORT)
-        search = advance(self._early(problem, shares[slice]), state.search, limits)
+        search = advance(self._early(problem, shares[stage]), state.search, limits)
         state = evolve(state, search=search)
         if search.status is Status.RUNNING:
             return state
-        if slice + 1 < len(shares):
-            return self._begin(problem, state, search.point, state.number, slice + 1)
+        if stage + 1 < len(shares):
+            following = begin(self._early(problem, shares[stage + 1]), search.point)
+            return evolve(state, search=following, stage=stage + 1, past=state.path)
         return self._next(problem, evolve(state, ended=(*state.ended, (search.cost, search.point))))
 
     def _early(self, problem: Problem, share: float) -> Problem:
         """A slice of time at few instants."""
-        part = up_to(share, problem, problem.coarse) if isinstance(problem, Misfit) else problem
-        return with_prior(part, self.prior)
+        if not isinstance(problem, Misfit):
+            return with_prior(problem, self.prior)
+        # A problem may have narrower bounds than its misfit at few instants, so it is asked for them.
+        return with_prior(up_to(share, problem, problem.coarse), self.prior)
 
     def _late(self, problem: Problem, kept: np.ndarray) -> Problem:
         """All that is kept."""
@@ -147,11 +147,6 @@ class MultiStart(Identifier[Attempts]):
     def _limits(self, state: Attempts) -> Limits:
         """Of the last search; the first cost of all tells what rounding leaves."""
         return Limits(self.tolerance, max(self.least_drop, EXACT * state.path[0][0]), self.step_limit)
-
-    def _begin(self, problem: Problem, state: Attempts, point: np.ndarray, number: int, slice: int) -> Attempts:
-        """A search on a slice of time."""
-        search = begin(self._early(problem, (SLICES if number else WHOLE)[slice]), point)
-        return evolve(state, search=search, number=number, slice=slice, past=state.path)
 
     def _next(self, problem: Problem, state: Attempts) -> Attempts:
         """The next start, unless one has arrived or enough of them agree."""
@@ -164,7 +159,8 @@ class MultiStart(Identifier[Attempts]):
         if agreeing >= AGREEING and np.isfinite(cost) and not self._unfelt(problem, point).any():
             return self._fit_all(problem, state, point)
         first = self._start(problem, len(state.ended), point if np.isfinite(cost) else None)
-        return self._begin(problem, state, first, len(state.ended), 0)
+        search = begin(self._early(problem, SLICES[0]), first)
+        return evolve(state, search=search, number=len(state.ended), stage=0, past=state.path)
 
     def _has_arrived(self, problem: Problem, point: np.ndarray) -> bool:
         few = problem.coarse if isinstance(problem, Misfit) else problem
@@ -191,14 +187,16 @@ class MultiStart(Identifier[Attempts]):
         return np.asarray(felt <= UNFELT * felt.max(initial=0.0))
 
     def _fit_all(self, problem: Problem, state: Attempts, point: np.ndarray) -> Attempts:
-        kept = np.ones_like(judged(problem, problem.residual(point)).kept)
-        return evolve(state, search=begin(self._late(problem, kept), point), slice=None, kept=kept, past=state.path)
+        """The search that ends at all readings."""
+        search = begin(self._late(problem, state.kept), point)
+        return evolve(state, search=search, stage=None, past=state.path)
 
     def _judge(self, problem: Problem, state: Attempts, search: Search) -> Attempts:
         """The end, or another round without the outliers."""
         state = evolve(state, search=search)
         verdict = judged(problem, problem.residual(search.point))
-        if np.array_equal(verdict.kept, state.kept) or state.rounds == ROUNDS:
+        is_same = np.array_equal(verdict.kept, state.kept) or (verdict.kept.all() and state.kept.all())
+        if is_same or state.rounds == ROUNDS:
             return evolve(state, status=search.status)
         again = begin(self._late(problem, verdict.kept), search.point)
         return evolve(state, search=again, kept=verdict.kept, rounds=state.rounds + 1, past=state.path)
@@ -207,7 +205,7 @@ class MultiStart(Identifier[Attempts]):
         """How many starts agree, if more than one was needed, and what was left out."""
         remarks = [told(problem, state.kept)]
         costs = np.array([cost for cost, _ in state.ended])
-        if len(costs) > 1 and state.slice is None:
+        if len(costs) > 1 and state.stage is None:
             same = int(np.sum(costs <= (1.0 + SAME) * costs.min()))
-            remarks.append(f"{same} of {len(costs)} starts ended here.")
+            remarks.append(f"{len(costs)} starts were searched from; {same} of them ended here.")
         return remarks

@@ -1,4 +1,4 @@
-"""Optimal control: steps that need the gradient alone, which an adjoint gives for the price of one more simulation."""
+"""Optimal control: steps that need the gradient alone, which an adjoint gives at one price for any number of parameters."""
 
 import math
 from typing import ClassVar
@@ -7,7 +7,8 @@ import numpy as np
 from attrs import evolve, field, frozen
 
 from crashkit.protocols import Identification, Identifier, Problem, Status
-from crashkit_identifiers.cost import cost_and_gradient, is_least, stopped
+from crashkit_identifiers.adjoint import cost_and_cheapest_gradient
+from crashkit_identifiers.cost import is_least, stopped
 from crashkit_identifiers.prior import with_prior
 from crashkit_identifiers.result import Path, conclude
 
@@ -34,9 +35,10 @@ class ControlState:
 
 @frozen
 class OptimalControl(Identifier[ControlState]):
-    """Quasi-Newton steps (BFGS) within bounds from the gradient of the adjoint (Mizzi & Jezequel 1992, eq 56-64).
+    """Quasi-Newton steps (BFGS) within bounds, from the gradient alone (Mizzi & Jezequel 1992, eq 56-64).
 
-    minimise J(U) subject to X' = f(X) U + g(X). The adjoint's gradient is that of the whole constrained problem.
+    minimise J(U) subject to X' = f(X) U + g(X). The adjoint's gradient costs the same however many parameters there are, so it
+    is taken where they are many; of few, forward sensitivities give the same gradient for less.
 
     Arguments:
         tolerance: relative drop in cost below which a step counts as none.
@@ -53,7 +55,7 @@ class OptimalControl(Identifier[ControlState]):
         """The state at the problem's own start."""
         problem = with_prior(problem, self.prior)
         point = np.clip(problem.start(), *problem.bounds())
-        cost, gradient = cost_and_gradient(problem, point)
+        cost, gradient = cost_and_cheapest_gradient(problem, point)
         status = Status.RUNNING if np.isfinite(cost) else Status.FAILED
         return ControlState(point, cost, gradient, _unlearnt(gradient), status, ((cost, problem.parameters(point)),))
 
@@ -92,7 +94,7 @@ def _line_search(problem: Problem, state: ControlState) -> ControlState | None:
     best: ControlState | None = None
     for _ in range(TRIALS):
         point = np.clip(state.point + length * direction, *problem.bounds())
-        cost, gradient = cost_and_gradient(problem, point)
+        cost, gradient = cost_and_cheapest_gradient(problem, point)
         if cost > state.cost + SUFFICIENT * length * slope:
             most = length
         else:

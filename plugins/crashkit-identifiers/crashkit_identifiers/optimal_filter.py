@@ -7,15 +7,16 @@ import numpy as np
 import xarray as xr
 from attrs import evolve, field, frozen
 
-from crashkit.errors import CrashkitError
 from crashkit.misfit import Misfit
 from crashkit.protocols import Identification, Identifier, Problem, Status
 from crashkit_identifiers.cost import cost_at, is_least
 from crashkit_identifiers.line_dynamics import LineDynamics
-from crashkit_identifiers.measured import measured_motions, require_seen
-from crashkit_identifiers.recorded import with_recordings
+from crashkit_identifiers.measured import measured_motions, require_seen, thinned
+from crashkit_identifiers.recorded import require_plain_line, with_recordings
 from crashkit_identifiers.result import Path, conclude
 
+INSTANTS = 450
+"""Of a run, about, at which the filter corrects: a smoothed motion tells no more at others."""
 SETTLED = 1e-6
 """A pass that changes no search variable by more has nothing left to correct."""
 
@@ -60,9 +61,8 @@ class OptimalFilter(Identifier[PassState]):
     def start(self, problem: Problem) -> PassState:
         """The state at the problem's own start."""
         misfit = with_recordings(problem, self.name)
-        if len(misfit.model.axes) != 1:
-            raise CrashkitError(f"{self.name}: expected a model in one axis, found {', '.join(misfit.model.axes)}")
-        measured = measured_motions(misfit)
+        require_plain_line(misfit, self.name)
+        measured = {run: thinned(motion, INSTANTS) for run, motion in measured_motions(misfit).items()}
         require_seen(misfit, measured, self.name)
         point = np.clip(misfit.start(), *misfit.bounds())
         cost = cost_at(misfit, point)

@@ -15,6 +15,17 @@ def with_recordings(problem: Problem, method: str) -> Misfit:
     raise CrashkitError(f"{method}: expected a misfit of a model to recordings, found {type(problem).__name__}")
 
 
+def require_plain_line(misfit: Misfit, method: str) -> None:
+    """Raise CrashkitError unless the model has one axis, and only its joints move its bodies."""
+    model, others = misfit.model, "a method that simulates, for example sensitivity, takes any"
+    if len(model.axes) != 1:
+        raise CrashkitError(f"{method}: expected a model in one axis, found {', '.join(model.axes)}; {others}")
+    driven = [body.name for body in model.bodies if body.motion is not None or body.force is not None]
+    if driven or any(model.gravity):
+        found = f"a given motion or force of {', '.join(driven)}" if driven else "gravity"
+        raise CrashkitError(f"{method}: expected bodies that only joints move, found {found}; {others}")
+
+
 def laws_of(misfit: Misfit) -> Laws:
     """The laws and factors of the model, by name."""
     return {function.law.name: function.law for function in misfit.predictor.simulator.engine.numbers}

@@ -2,21 +2,18 @@
 
 import numpy as np
 import xarray as xr
-from attrs import frozen
 
-from crashkit.errors import SimulationError
-from crashkit.misfit import Misfit
 from crashkit.protocols import Identification, Problem, Status
-from crashkit_identifiers.profile import CONFIDENCE, Found, intervals
+from crashkit_identifiers.parabola import CONFIDENCE, Parabola, parabola_at
+from crashkit_identifiers.profile import intervals
 from crashkit_identifiers.units import units_of
 
 UNSEEN_STD = 1.0
 """A parameter, or a combination, that the data leave this uncertain relative to its value is not identifiable."""
 MAIN_SHARE = 0.3
-UNDETERMINED = 1e-10
-"""Share of the largest curvature below which the misfit does not say where to go."""
-NO_INFORMATION = 1e-14
-"""Curvature, of parameters scaled to 1, that counts as none."""
+"""Of its largest entry: what of a combination is named."""
+ALONE = 0.98
+"""Share of a parameter that lies in what is not seen, from which it is named for itself."""
 
 Path = tuple[tuple[float, np.ndarray], ...]
 
@@ -39,77 +36,43 @@ def conclude(
         status, path: as the method leaves them.
         objective: whose residuals are meant, if these are not the problem's own: those of a prior may have joined them.
     """
-    objective = objective or problem
-    fit = _fit(problem, objective, point)
-    if fit is None:
+    found = parabola_at(problem, objective or problem, point)
+    if found is None:
         return _without_simulation(problem, point, status, path)
-    names, (lower, upper) = list(problem.names), problem.bounds()
-    scaling, values = problem.scaling(point), problem.parameters(point)
-    held = (point <= lower) | (point >= upper)
-    left = _way_left(fit, held)
-    drop = 0.5 * float(left @ fit.curvature @ left)
-    found = Found(point, fit.cost, left, fit.excess * _inverse(fit.curvature, held), fit.excess, drop)
-    low, high = intervals(objective, found)
+    names, size = list(problem.names), _sizes(problem, point)
+    low, high = intervals(objective or problem, found)
+    columns, covariance = _columns(problem, found, low, high, size)
+    table = _table(problem, columns).assign(covariance=(("parameter", "parameter_2"), covariance))
+    table.attrs = {"normalised_residual": found.normalised, "remarks": " ".join(_remarks(names, found))}
+    sided = _one_sided(table)
+    unseen = [told for told in _unseen(names, found.curvature, size, found.held) if told.split(" is ")[0] not in sided]
+    return Identification(table, status, found.cost, (*unseen, *sided.values()), _path(names, path))
+
+
+def _columns(
+    problem: Problem, found: Parabola, low: np.ndarray, high: np.ndarray, size: np.ndarray
+) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """What the table of a result says of each parameter, and their covariance."""
+    (lower, upper), point, scaling = problem.bounds(), found.point, problem.scaling(found.point)
     half = 0.5 * (high - low)
     with np.errstate(over="ignore", invalid="ignore"):  # what is not seen at all has an infinite variance
-        spread = found.spread + np.outer(left, left)
-        std = np.where(held | found.is_far, np.nan, np.maximum(np.sqrt(np.diag(spread)), half / CONFIDENCE))
+        spread = found.spread + np.outer(found.left, found.left)
+        std = np.where(found.held | found.is_far, np.nan, np.maximum(np.sqrt(np.diag(spread)), half / CONFIDENCE))
         seen = np.sqrt(np.diag(found.spread)) if found.is_far else half / CONFIDENCE
         covariance = spread * np.outer(scaling, scaling)
-    size = np.maximum(np.abs(values), _spans(problem, lower, upper)) / scaling
     # An end that only a distant bound sets is none.
     is_open = ((low <= lower) & (point - lower > UNSEEN_STD * size)) | ((high >= upper) & (upper - point > UNSEEN_STD * size))
     columns = {
-        "value": values,
+        "value": problem.parameters(point),
         "std": std * scaling,
         "interval_lower": problem.parameters(low),
         "interval_upper": problem.parameters(high),
         "lower": problem.parameters(lower),
         "upper": problem.parameters(upper),
-        "at_bound": held,
-        "identifiable": ~held & (seen < UNSEEN_STD * size) & (~is_open | found.is_far),
+        "at_bound": found.held,
+        "identifiable": ~found.held & (seen < UNSEEN_STD * size) & (~is_open | found.is_far),
     }
-    table = _table(problem, columns).assign(covariance=(("parameter", "parameter_2"), covariance))
-    table.attrs = {"normalised_residual": fit.normalised, "remarks": " ".join(_remarks(names, fit, found))}
-    unseen = (*_unseen(names, fit.curvature, size, held), *_one_sided(table))
-    return Identification(table, status, fit.cost, unseen, _path(names, path))
-
-
-@frozen
-class _Fit:
-    """The misfit and its derivatives at a point; `count` residuals are as many as they amount to independently."""
-
-    cost: float
-    gradient: np.ndarray
-    curvature: np.ndarray
-    count: float
-
-    @property
-    def normalised(self) -> float:
-        """Root mean square of the residuals over their noise."""
-        return float(np.sqrt(2.0 * self.cost / max(self.count, 1.0)))
-
-    @property
-    def excess(self) -> float:
-        """χ² over its expectation, where that is more than chance allows; else 1."""
-        freedom = max(self.count - len(self.gradient), 1.0)
-        ratio = 2.0 * self.cost / freedom
-        return ratio if ratio > 1.0 + 3.0 * np.sqrt(2.0 / freedom) else 1.0
-
-
-def _fit(problem: Problem, objective: Problem, point: np.ndarray) -> _Fit | None:
-    """None where the model cannot be simulated."""
-    try:
-        with np.errstate(over="ignore", invalid="ignore"):
-            residual, jacobian = objective.residual_and_jacobian(point)
-            cost = 0.5 * float(residual @ residual)
-            gradient, curvature = jacobian.T @ residual, jacobian.T @ jacobian
-    except SimulationError:
-        return None
-    if not (np.isfinite(cost) and np.isfinite(curvature).all()):
-        return None
-    count = problem.independent_samples if isinstance(problem, Misfit) else float(len(residual))
-    return _Fit(cost, gradient, curvature, count)
+    return columns, covariance
 
 
 def _without_simulation(problem: Problem, point: np.ndarray, status: Status, path: Path) -> Identification:
@@ -140,34 +103,12 @@ def _table(problem: Problem, columns: dict[str, np.ndarray]) -> xr.Dataset:
     return table.assign(units=("parameter", units_of(problem)))
 
 
-def _inverse(curvature: np.ndarray, held: np.ndarray) -> np.ndarray:
-    """Inverse over the parameters that no bound holds; directions without information get a huge variance, not a crash."""
-    inverse = np.zeros_like(curvature)
-    free = np.ix_(~held, ~held)
-    root = np.sqrt(np.maximum(np.diag(curvature[free]), 1e-300))
-    eigenvalues, vectors = np.linalg.eigh(curvature[free] / np.outer(root, root))
-    with np.errstate(over="ignore"):
-        inverse[free] = vectors / np.maximum(eigenvalues, NO_INFORMATION) @ vectors.T / np.outer(root, root)
-    return inverse
-
-
-def _way_left(fit: _Fit, held: np.ndarray) -> np.ndarray:
-    """The Gauss-Newton step that the misfit would still take, in the directions in which it says where to go."""
-    step = np.zeros(len(held))
-    free = np.flatnonzero(~held)
-    root = np.sqrt(np.maximum(np.diag(fit.curvature)[free], 1e-300))
-    eigenvalues, vectors = np.linalg.eigh(fit.curvature[np.ix_(free, free)] / np.outer(root, root))
-    seen = eigenvalues > UNDETERMINED * eigenvalues.max(initial=0.0)
-    downhill = vectors[:, seen].T @ (fit.gradient[free] / root)
-    step[free] = -(vectors[:, seen] @ (downhill / eigenvalues[seen])) / root
-    return step
-
-
-def _remarks(names: list[str], fit: _Fit, found: Found) -> list[str]:
+def _remarks(names: list[str], found: Parabola) -> list[str]:
     remarks = []
-    if fit.excess > 1.0:
+    if found.excess > 1.0:
         remarks.append(
-            f"What remains is {fit.normalised:.3g} times the noise: the model at these values does not explain the recordings."
+            f"What remains is {found.normalised:.3g} times the noise: "
+            "the model at these values does not explain the recordings."
         )
     away = np.abs(found.left) > np.sqrt(np.diag(found.spread))
     if away.any():
@@ -178,10 +119,12 @@ def _remarks(names: list[str], fit: _Fit, found: Found) -> list[str]:
     return remarks
 
 
-def _spans(problem: Problem, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-    """A parameter near 0 is measured against the width of its bounds."""
+def _sizes(problem: Problem, point: np.ndarray) -> np.ndarray:
+    """What counts as 100 %, in search variables: a value, or the width of its bounds if it may be 0."""
+    lower, upper = problem.bounds()
     span = problem.parameters(upper) - problem.parameters(lower)
-    return np.where(np.isfinite(span), span, 0.0) * (problem.scaling(lower) == 1.0)
+    widths = np.where(np.isfinite(span), span, 0.0) * (problem.scaling(lower) == 1.0)
+    return np.asarray(np.maximum(np.abs(problem.parameters(point)), widths) / problem.scaling(point))
 
 
 def _unseen(names: list[str], curvature: np.ndarray, size: np.ndarray, held: np.ndarray) -> tuple[str, ...]:
@@ -189,21 +132,26 @@ def _unseen(names: list[str], curvature: np.ndarray, size: np.ndarray, held: np.
     keep = np.flatnonzero(~held)
     size = np.where(np.isfinite(size) & (size > 0), size, 1.0)[keep]
     eigenvalues, vectors = np.linalg.eigh(curvature[np.ix_(keep, keep)] * np.outer(size, size))
-    unseen = [vector for value, vector in zip(eigenvalues, vectors.T, strict=True) if value < 1.0 / UNSEEN_STD**2]
-    return tuple(_combination([names[i] for i in keep], vector) for vector in unseen)
+    unseen = vectors[:, eigenvalues < 1.0 / UNSEEN_STD**2]
+    alone = np.linalg.norm(unseen, axis=1) > ALONE
+    told = [f"{names[i]} is not seen by these recordings" for i in keep[alone]]
+    # What is not seen at all is no part of a combination.
+    directions, _, _ = np.linalg.svd(np.where(alone[:, None], 0.0, unseen), full_matrices=False)
+    rest = directions.T[: unseen.shape[1] - int(alone.sum())]
+    return (*told, *(_combination([names[i] for i in keep], vector) for vector in rest))
 
 
-def _one_sided(table: xr.Dataset) -> tuple[str, ...]:
-    """Parameters of which the data set only one end."""
-    sentences = []
-    for name in table["parameter"].values[~table["identifiable"].values]:
+def _one_sided(table: xr.Dataset) -> dict[str, str]:
+    """Sentences on the parameters of which the data set only one end, by name."""
+    sentences = {}
+    for name in table["parameter"].values[~table["identifiable"].values].tolist():
         row = table.sel(parameter=name)
         low, high = (float(row["interval_lower"]), float(row["lower"])), (float(row["interval_upper"]), float(row["upper"]))
         if low[0] > low[1] and high[0] >= high[1]:
-            sentences.append(f"{name} is at least {low[0]:.4g}; how much more these recordings do not see")
+            sentences[name] = f"{name} is at least {low[0]:.4g}; how much more these recordings do not see"
         elif low[0] <= low[1] and high[0] < high[1]:
-            sentences.append(f"{name} is at most {high[0]:.4g}; how much less these recordings do not see")
-    return tuple(sentences)
+            sentences[name] = f"{name} is at most {high[0]:.4g}; how much less these recordings do not see"
+    return sentences
 
 
 def _combination(names: list[str], vector: np.ndarray) -> str:

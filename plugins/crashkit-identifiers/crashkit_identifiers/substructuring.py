@@ -12,6 +12,7 @@ from crashkit.protocols import Identification, Identifier, Problem, Status
 from crashkit_identifiers.cost import cost_at
 from crashkit_identifiers.levenberg_marquardt import Limits, Search, advance, begin
 from crashkit_identifiers.measured import measured_motions, require_seen
+from crashkit_identifiers.parabola import modes
 from crashkit_identifiers.recorded import with_recordings
 from crashkit_identifiers.result import Path, conclude
 from crashkit_identifiers.substructure import Substructure
@@ -23,7 +24,7 @@ UNKNOWN = 1e-9
 
 
 @frozen(eq=False)
-class Part:
+class Testimony:
     """What one body said: places of its parameters, where its search ended, and the curvature there."""
 
     places: tuple[int, ...]
@@ -41,7 +42,7 @@ class SubstructuringState:
     status: Status
     measured: Mapping[str, xr.Dataset]
     search: Search
-    parts: tuple[Part, ...] = field(default=())
+    parts: tuple[Testimony, ...] = field(default=())
     path: Path = field(default=())
 
 
@@ -84,7 +85,7 @@ class Substructuring(Identifier[SubstructuringState]):
         search = advance(part, state.search, Limits(tolerance=1e-8, steps=self.step_limit))
         if search.status is Status.RUNNING:
             return evolve(state, search=search)
-        done = (*state.parts, Part(tuple(part.places), search.point, search.curvature, search.status))
+        done = (*state.parts, Testimony(tuple(part.places), search.point, search.curvature, search.status))
         point = np.clip(_joined(misfit, state.point, done), *misfit.bounds())
         cost = cost_at(misfit, point)
         state = evolve(state, parts=done, point=point, cost=cost, path=(*state.path, (cost, misfit.parameters(point))))
@@ -108,16 +109,18 @@ def _substructure(misfit: Misfit, measured: Mapping[str, xr.Dataset], number: in
     return Substructure(misfit, measured, _moving(misfit)[number], misfit.predictor.simulator.engine)
 
 
-def _joined(misfit: Misfit, start: np.ndarray, parts: tuple[Part, ...]) -> np.ndarray:
-    """The point that all parts agree on best, within what numbers can hold; what none of them sees stays."""
-    curvature, pull = np.zeros((len(start), len(start))), np.zeros(len(start))
+def _joined(misfit: Misfit, start: np.ndarray, parts: tuple[Testimony, ...]) -> np.ndarray:
+    """The point that all parts agree on best, within what numbers can hold; what none of them sees stays where one ended."""
+    curvature, pull, agreed = np.zeros((len(start), len(start))), np.zeros(len(start)), start.copy()
     for part in parts:
-        places = np.array(part.places, dtype=int)
+        agreed[list(part.places)] = part.point
+    for part in parts:
+        places = list(part.places)
         curvature[np.ix_(places, places)] += part.curvature
-        pull[places] += part.curvature @ (part.point - start[places])
-    size = np.sqrt(np.maximum(np.diag(curvature), 1e-300))
-    eigenvalues, vectors = np.linalg.eigh(curvature / np.outer(size, size))
+        pull[places] += part.curvature @ (part.point - agreed[places])
+    felt = np.flatnonzero(np.diag(curvature) > 0.0)
+    root, eigenvalues, vectors = modes(curvature[np.ix_(felt, felt)])
     seen = eigenvalues > UNKNOWN * eigenvalues.max(initial=0.0)
+    agreed[felt] += vectors[:, seen] @ (vectors[:, seen].T @ (pull[felt] / root) / eigenvalues[seen]) / root
     room = np.where(misfit.scaling(start) != 1.0, FURTHEST, np.inf)
-    agreed = start + vectors[:, seen] @ (vectors[:, seen].T @ (pull / size) / eigenvalues[seen]) / size
     return np.asarray(np.clip(agreed, start - room, start + room))

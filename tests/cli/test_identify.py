@@ -1,0 +1,151 @@
+"""The command `identify`: what it prints and writes, and how a method that cannot work ends."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+import xarray as xr
+from attrs import evolve
+
+from crashkit.api import load_model
+from crashkit.cli import main
+from crashkit.cli.identify import as_plain, as_text
+from crashkit.data.recording import write_recording
+from crashkit.mechanics import Simulator
+from crashkit.model.toml import write_model
+from crashkit.protocols import Identification, Status
+from crashkit.registry import load
+from crashkit.testing import toys
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A toy 10 % off, and a test of the true one with noise."""
+    folder, truth = tmp_path_factory.mktemp("given"), toys.one_degree()
+    write_model(toys.start_from(truth, 0.9), folder / "model.toml", load().spring_laws)
+    motion = Simulator(truth, load().spring_laws).run(np.linspace(0.0, 0.3, 301), step=5e-4)
+    write_recording(toys.noisy(toys.recording(motion), 0.01, np.random.default_rng(0)), folder / "run.nc")
+    return folder
+
+
+def command(folder, *more):
+    return ["identify", str(folder / "model.toml"), str(folder / "run.nc"), *map(str, more)]
+
+
+def test_it_prints_a_table_and_needs_no_output(folder, capsys):
+    assert main(command(folder)) == 0
+    told = capsys.readouterr()
+    assert told.out.startswith("converged: no step lowers the misfit any further\nthe residuals are ")
+    row = re.search(r"joint\.first\.crush_force +(\S+) +N +(\S+) +(\S+) to (\S+)\n", told.out)
+    value, std, low, high = map(float, row.groups())
+    assert low < value < high and value == pytest.approx(24000.0, abs=4.0 * std)
+    assert "cost " in told.err
+
+
+def test_the_json_holds_what_the_result_says(folder, tmp_path):
+    file, model = tmp_path / "result.json", tmp_path / "found.toml"
+    assert main(command(folder, "--method", "sensitivity", "--json", file, "--output", model)) == 0
+    document = json.loads(file.read_text(encoding="utf-8"))
+    assert document["schema"] == "crashkit-identification/1"
+    assert (document["method"], document["runs"], document["status"]) == ("sensitivity", ["run.nc"], "CONVERGED")
+    values = {row["parameter"]: row["value"] for row in document["parameters"]}
+    found = load_model(model).free_parameters()
+    assert values == pytest.approx({path: parameter.value for path, parameter in found.items()})
+    assert np.diag(document["covariance"]) == pytest.approx([row["std"] ** 2 for row in document["parameters"]], rel=0.3)
+    assert document["path"]["value"][-1] == pytest.approx(list(values.values()))
+
+
+def test_a_method_that_is_not_there(folder, capsys):
+    assert main(command(folder, "--method", "magic")) == 2
+    assert 'no identifier "magic" is installed, expected one of chebyshev, ' in capsys.readouterr().err
+
+
+def test_a_method_that_cannot_take_the_recordings_says_why(folder, tmp_path, capsys):
+    """Nothing saw the front: it has no measured motion."""
+    tree = xr.open_datatree(folder / "run.nc").load()
+    for name, variable in (("film", "marker_body"), ("accelerometer", "sensor_body")):
+        group = tree[name].to_dataset(inherit=False)
+        tree[name] = xr.DataTree(group.assign({variable: group[variable].copy(data=["wall"])}))
+    write_recording(tree, tmp_path / "blind.nc")
+    line = ["identify", str(folder / "model.toml"), str(tmp_path / "blind.nc"), "--method", "state_form"]
+    assert main(line) == 2
+    assert (
+        "state_form needs the measured motion of every body that a joint holds, found none of front" in capsys.readouterr().err
+    )
+
+
+def test_a_model_with_nothing_free(folder, tmp_path, capsys):
+    model = load_model(folder / "model.toml")
+    fixed = model.with_parameters({path: evolve(p, fixed=True) for path, p in model.free_parameters().items()})
+    write_model(fixed, tmp_path / "fixed.toml", load().spring_laws)
+    assert main(["identify", str(tmp_path / "fixed.toml"), str(folder / "run.nc")]) == 2
+    assert "expected a free parameter, found that all are fixed" in capsys.readouterr().err
+
+
+def result(**changes):
+    """One parameter as a method may find it."""
+    row = {"value": 2.0, "std": 0.1, "interval_lower": 1.8, "interval_upper": 2.2, "lower": 0.5, "upper": np.inf}
+    row |= {"at_bound": False, "identifiable": True, "units": "m"} | changes
+    table = xr.Dataset({name: ("parameter", [value]) for name, value in row.items()}, {"parameter": ["gap"]})
+    table["covariance"] = (("parameter", "parameter_2"), [[row["std"] ** 2]])
+    table.attrs = {"normalised_residual": 1.02, "remarks": "A remark."}
+    return Identification(table, Status.STALLED, 7.0, ("gap is a riddle",))
+
+
+ROWS = {
+    "known": ({}, "gap        2      m     0.1  1.8 to 2.2"),
+    "from below only": (
+        {"interval_upper": np.inf, "std": np.inf, "identifiable": False},
+        "gap        2      m     -    at least 1.8   not identifiable",
+    ),
+    "from above only": (
+        {"interval_lower": 0.5, "std": np.inf, "identifiable": False},
+        "gap        2      m     -    at most 2.2    not identifiable",
+    ),
+    "not at all": (
+        {"interval_lower": 0.5, "interval_upper": np.inf, "std": np.nan, "identifiable": False, "units": ""},
+        "gap        2      -     -    -              not identifiable",
+    ),
+    "held": (
+        {
+            "value": 0.5,
+            "interval_lower": 0.5,
+            "interval_upper": np.inf,
+            "std": np.nan,
+            "at_bound": True,
+            "identifiable": False,
+        },
+        "gap        0.5    m     -    -              at its lower bound",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", ROWS)
+def test_a_parameter_is_told_as_far_as_it_is_known(kind):
+    changes, row = ROWS[kind]
+    text = as_text(result(**changes))
+    assert row in [line.rstrip() for line in text.splitlines()]
+
+
+def test_status_sentences_and_remarks_are_told():
+    text = as_text(result())
+    assert text.startswith("not converged: no acceptable step was found, and the gradient is not zero\n")
+    assert "the residuals are 1.02 times the noise" in text
+    assert text.endswith("not known from these recordings:\n  gap is a riddle\n\nA remark.")
+
+
+def test_what_is_not_finite_is_null_in_json():
+    document = as_plain(result(std=np.inf, interval_upper=np.nan))
+    assert json.loads(json.dumps(document, allow_nan=False))["parameters"][0] == {
+        "parameter": "gap",
+        "value": 2.0,
+        "std": None,
+        "interval_lower": 1.8,
+        "interval_upper": None,
+        "lower": 0.5,
+        "upper": None,
+        "at_bound": False,
+        "identifiable": True,
+        "units": "m",
+    }
