@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from time import monotonic
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -20,10 +21,11 @@ from crashkit.misfit.cross_check import cross_check
 from crashkit.model import Model
 from crashkit.model.checks import check_recording_against_model
 from crashkit.model.toml import read_model, write_model
-from crashkit.protocols import Status
+from crashkit.protocols import Identification, Identifier, Status
 from crashkit.registry import Registry, load
 from crashkit.report import write_json, write_report
 from crashkit.report.cross_check import write_cross_check
+from crashkit.report.identification import as_text, write_identification
 
 Show = Callable[[str], None]
 SIMULATION_INTERVAL = 1e-4
@@ -82,24 +84,46 @@ def diagnose_files(model: Path, runs: Sequence[Path], holdout: Sequence[Path], o
     return result
 
 
-def identify_files(model: Path, runs: Sequence[Path], method: str, output: Path, progress: Show) -> str:
-    """Identify a model's free parameters on recordings; writes the identified model."""
+def identify_files(
+    model: Path,
+    runs: Sequence[Path],
+    method: str,
+    progress: Show,
+    output: Path | None = None,
+    document: Path | None = None,
+) -> str:
+    """Identify a model's free parameters on recordings: what was found, for people.
+
+    Arguments:
+        method: an installed identifier.
+        progress: told what is being done.
+        output: file for the identified model, if it is wanted.
+        document: file for all that the result says, likewise.
+    """
     registry = load()
-    misfit = Misfit(load_model(model), load_recordings(runs), registry.spring_laws, registry.observers)
-    identifier = registry.identifier(method)()
+    given, recordings = load_model(model), load_recordings(runs)
+    for name, recording in recordings.items():
+        check_recording_against_model(recording, given, name)
+    if not given.free_parameters():
+        raise CrashkitError(f"{model}: expected a free parameter, found that all are fixed")
+    misfit = Misfit(given, recordings, registry.spring_laws, registry.observers)
+    result = _identified(registry.identifier(method)(), misfit, progress)
+    if output:
+        write_model(given.with_values(result.values), output, registry.spring_laws)
+    if document:
+        write_identification(result, method, tuple(recordings), document)
+    return as_text(result)
+
+
+def _identified(identifier: Identifier[Any], misfit: Misfit, progress: Show) -> Identification:
+    """From start to finish; raises CrashkitError where the model cannot be simulated at the start."""
     state = identifier.start(misfit)
     while state.status is Status.RUNNING:
         state = identifier.step(misfit, state)
         progress(f"cost {state.cost:.6g}")
-    result = identifier.finish(misfit, state)
-    write_model(misfit.model.with_values(result.values), output, registry.spring_laws)
-    table = result.parameters
-    rows = [
-        f"{name}: {float(table['value'][i]):.6g} ± {float(table['std'][i]):.2g}"
-        f"{'' if bool(table['identifiable'][i]) else '  not identifiable'}"
-        for i, name in enumerate(misfit.names)
-    ]
-    return "\n".join([result.status.value, *rows, *result.unseen])
+    if state.status is Status.FAILED:
+        raise CrashkitError(f"{identifier.name}: {Status.FAILED.value}")
+    return identifier.finish(misfit, state)
 
 
 def simulate_file(model: Path, duration: float, output: Path) -> str:

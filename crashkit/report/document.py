@@ -32,7 +32,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, object]:
         "summary": diagnosis.summary,
         "notes": list(diagnosis.notes),
     }
-    return {key: _plain(value) for key, value in document.items()}
+    return {key: plain(value) for key, value in document.items()}
 
 
 def _finding(finding: Finding) -> dict[str, object]:
@@ -52,14 +52,14 @@ def _fit(fit: Fit | None) -> dict[str, object]:
     return {"normalised_rmse": fit.normalised_rmse, "channels": channels}
 
 
-def _plain(value: object) -> object:
+def plain(value: object) -> object:
     """Values that JSON knows."""
     if isinstance(value, Mapping):
-        return {str(key): _plain(entry) for key, entry in value.items()}
+        return {str(key): plain(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple | np.ndarray):
-        return [_plain(entry) for entry in value]
+        return [plain(entry) for entry in value]
     if isinstance(value, np.generic):
-        return _plain(value.item())
+        return plain(value.item())
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     return value if isinstance(value, bool | int | None) else str(value)

@@ -10,12 +10,12 @@ from attrs import evolve
 
 from crashkit.api import load_model
 from crashkit.cli import main
-from crashkit.cli.identify import as_plain, as_text
 from crashkit.data.recording import write_recording
 from crashkit.mechanics import Simulator
 from crashkit.model.toml import write_model
 from crashkit.protocols import Identification, Status
 from crashkit.registry import load
+from crashkit.report.identification import as_plain, as_text
 from crashkit.testing import toys
 
 

@@ -48,7 +48,7 @@ class Chain:
         self.filter(channel_frequency_class)
 
     def ring(self, oscillator: str) -> None:
-        """a + share (ringing(a) - a): part of the reading, or all of it, comes through a body that rocks, a mount that rings."""
+        """a + share (ringing(a) - a): part of the reading, or all of it, comes through a rocking body, a ringing mount."""
         share = self._own[f"{oscillator}_share"]
         mount = self._times, self._own[f"{oscillator}_frequency"], self._own[f"{oscillator}_damping"]
         column = self.value[..., None]

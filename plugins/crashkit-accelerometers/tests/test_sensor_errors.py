@@ -9,10 +9,10 @@ from scipy.signal import lsim
 from scipy.spatial.transform import Rotation
 
 from crashkit.data.channel_filter import filter_channel
+from crashkit.data.ringing import ringing, ringing_derivatives
 from crashkit.errors import CrashkitError
 from crashkit_accelerometers import Accelerometer
 from crashkit_accelerometers.hysteresis import branch
-from crashkit.data.ringing import ringing, ringing_derivatives
 
 TIMES = np.arange(801) * 1e-4
 PULSE = 200.0 * np.sin(30.0 * np.pi * TIMES) ** 2 * np.cos(7.0 * TIMES)

@@ -1,0 +1,84 @@
+"""What an identification says: a table with its sentences for people, JSON (schema "crashkit-identification/1") for programs."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from crashkit.protocols import Identification
+from crashkit.report.document import plain
+from crashkit.report.files import write_text
+
+COLUMNS = ("parameter", "value", "unit", "std", "95 % interval", "")
+NOTHING = "-"
+"""In the table, of what is not known."""
+
+
+def write_identification(result: Identification, method: str, runs: Sequence[str], path: Path) -> Path:
+    """Write the result as JSON, whole or not at all, and return its path."""
+    document = {"schema": "crashkit-identification/1", "method": method, "runs": list(runs)} | as_plain(result)
+    return write_text(path, json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def as_text(result: Identification) -> str:
+    """What a result says, for people: its status, a table of the parameters, what is not seen, remarks."""
+    parameters = as_plain(result)["parameters"]
+    residuals = f"the residuals are {result.parameters.attrs['normalised_residual']:.3g} times the noise"
+    blocks = [f"{result.status.value}\n{residuals}", _table([_row(parameter) for parameter in parameters])]
+    if result.unseen:
+        blocks.append("\n".join(["not known from these recordings:", *(f"  {sentence}" for sentence in result.unseen)]))
+    if result.parameters.attrs["remarks"]:
+        blocks.append(result.parameters.attrs["remarks"])
+    return "\n\n".join(blocks)
+
+
+def as_plain(result: Identification) -> dict[str, Any]:
+    """What a result says as plain JSON values; what is not finite becomes null."""
+    table = result.parameters
+    columns = {str(name): table[name].values.tolist() for name in table.data_vars if table[name].dims == ("parameter",)}
+    names = {"parameter": table["parameter"].values.tolist(), **columns}
+    document = {
+        "status": result.status.name,
+        "sentence": result.status.value,
+        "cost": result.cost,
+        "normalised_residual": table.attrs["normalised_residual"],
+        "parameters": [dict(zip(names, row, strict=True)) for row in zip(*names.values(), strict=True)],
+        "covariance": table["covariance"].values.tolist(),
+        "unseen": list(result.unseen),
+        "remarks": table.attrs["remarks"],
+    }
+    if result.path is not None:
+        document["path"] = {name: result.path[name].values.tolist() for name in ("cost", "value")}
+    return {key: plain(value) for key, value in document.items()}
+
+
+def _row(parameter: Mapping[str, Any]) -> tuple[str, ...]:
+    """The cells of one parameter, its numbers to as many digits as they deserve."""
+    value, std = parameter["value"], parameter["std"]
+    note = "" if parameter["identifiable"] else "not identifiable"
+    if parameter["at_bound"]:
+        note = "at its lower bound" if value == parameter["lower"] else "at its upper bound"
+    return parameter["parameter"], f"{value:.6g}", parameter["units"] or NOTHING, _number(std, 2), _interval(parameter), note
+
+
+def _interval(parameter: Mapping[str, Any]) -> str:
+    """The interval; an end that only a bound sets is none."""
+    low, high = parameter["interval_lower"], parameter["interval_upper"]
+    is_low = low is not None and (parameter["lower"] is None or low > parameter["lower"])
+    is_high = high is not None and (parameter["upper"] is None or high < parameter["upper"])
+    if is_low and is_high:
+        return f"{low:.5g} to {high:.5g}"
+    if not is_low and not is_high:
+        return NOTHING
+    return f"at least {low:.5g}" if is_low else f"at most {high:.5g}"
+
+
+def _number(value: float | None, digits: int) -> str:
+    return NOTHING if value is None else f"{value:.{digits}g}"
+
+
+def _table(rows: Sequence[tuple[str, ...]]) -> str:
+    cells = [COLUMNS, *rows]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    lines = ("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) for line in cells)
+    return "\n".join(line.rstrip() for line in lines)
