@@ -1,4 +1,4 @@
-"""What an identification says: a table with its sentences for people, JSON (schema "crashkit-identification/1") for programs."""
+"""What an identification says: a table with its sentences for people, JSON ("crashkit-identification/1") for programs."""
 
 import json
 from collections.abc import Mapping, Sequence
