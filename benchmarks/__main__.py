@@ -11,12 +11,14 @@ from pathlib import Path
 from pkgutil import iter_modules
 
 from benchmarks import Row
+from crashkit.cli import use_one_thread
 
 COLUMNS = ("case", "measure", "unit", "ours", "peer", "theirs", "ratio")
 
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Run a study, print its table, write its JSON."""
+    use_one_thread()
     names = [module.name for module in iter_modules([str(Path(__file__).parent)]) if not module.name.startswith("_")]
     first = ArgumentParser("python -m benchmarks", add_help=False)
     first.add_argument("name", nargs="?", choices=names, help="the study; omitted: list them")

@@ -10,9 +10,6 @@ Times are of computing, on one core, so that other work on the machine does not 
 
 import math
 import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is loaded: on small matrices threads wait for each other
-
 from collections.abc import Callable, Sequence
 from statistics import median
 from time import process_time

@@ -8,8 +8,6 @@ import os
 from pathlib import Path
 from string import Template
 
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is loaded: on small matrices threads wait for each other
-
 from benchmarks import Row
 from benchmarks.paper import beyond, figures, plane, tables
 

@@ -42,7 +42,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         the exit status: 0; 2 for an error that the user can mend, told on stderr; 130 where the user interrupted.
     """
     arguments = parser().parse_args(argv)
-    _use_one_thread()
+    use_one_thread()
     try:
         _warn_of_failed_plugins(arguments)
         _run(arguments)
@@ -68,7 +68,7 @@ def parser() -> Parser:
     return root
 
 
-def _use_one_thread() -> None:
+def use_one_thread() -> None:
     """Before numpy is loaded: the work is many small matrices, on which threads only wait for each other."""
     for variable in THREADS:
         os.environ.setdefault(variable, "1")
