@@ -365,9 +365,9 @@ def test_the_initial_state_of_a_recording(simulate):
         coords={"body": ["free"], "axis": ["x", "y", "z"]},
     )
     motion = simulate(Model("initial", AXES[3], (free,), ()), [0.0, 0.5], initial=initial)
-    np.testing.assert_allclose(motion["orientation"].values[0, 0], [half, 0.0, half, 0.0])
-    np.testing.assert_allclose(motion["position"].values[1, 0], [1.5, 2.0, 3.0])
-    np.testing.assert_allclose(motion["angular_velocity"].values[1, 0], [0.0, 0.0, 2.0])
+    np.testing.assert_allclose(motion["orientation"].values[0, 0], [half, 0.0, half, 0.0], atol=1e-12)
+    np.testing.assert_allclose(motion["position"].values[1, 0], [1.5, 2.0, 3.0], atol=1e-12)
+    np.testing.assert_allclose(motion["angular_velocity"].values[1, 0], [0.0, 0.0, 2.0], atol=1e-12)
 
 
 def test_a_path_that_the_model_does_not_have(simulate):

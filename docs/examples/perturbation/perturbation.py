@@ -71,7 +71,7 @@ def main() -> None:
     print(f"{'variant':28}{'crush':>10}{'peak':>10}{'yaw':>12}")
     for name, model in variants(load_model(CAR)).items():
         row = consequences(model)
-        print(f"{name:28}{row['crush']:>8.3f} m{row['deceleration']:>8.1f} g{row['yaw']:>8.1f} deg")
+        print(f"{name:28}{row['crush']:>8.3f} m{row['deceleration']:>8.1f} g{round(row['yaw'], 1) + 0.0:>8.1f} deg")
 
 
 if __name__ == "__main__":
