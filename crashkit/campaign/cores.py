@@ -46,7 +46,7 @@ def _shared(
         here, there = context.Pipe(duplex=False)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)
-            context.Process(target=_copy, args=(function, items, taken, there), daemon=True).start()
+            context.Process(target=_copy, args=(function, items, taken, there, (*ends, here)), daemon=True).start()
         there.close()
         ends.append(here)
     results = _take(function, items, taken, told)
@@ -72,8 +72,13 @@ def _take(
         results[number] = function(items[number])
 
 
-def _copy(function: Callable[[Item], Result], items: Sequence[Item], taken: Any, there: Connection) -> None:
+def _copy(
+    function: Callable[[Item], Result], items: Sequence[Item], taken: Any, there: Connection, ends: Sequence[Connection]
+) -> None:
+    """What a copy does. It closes the ends at which this process reads: a copy that held them would wait forever to be read."""
     global _alone
     _alone = True
+    for end in ends:
+        end.close()
     sys.stderr = open(os.devnull, "w")
     there.send(_take(function, items, taken, lambda done: None))

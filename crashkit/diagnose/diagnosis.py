@@ -1,6 +1,7 @@
 """The diagnosis: re-identify, compare, locate, name, model, show."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 
 import xarray as xr
 from attrs import evolve
@@ -15,6 +16,7 @@ from crashkit.diagnose.rounds import Discovery, Round, discover, needed, run_dro
 from crashkit.diagnose.show import action_of, identified_table, limits_table, missing_force_tree, ranking_table, units_of
 from crashkit.diagnose.words import noted, summarise
 from crashkit.diagnose.workshop import Workshop
+from crashkit.errors import SimulationError
 from crashkit.misfit import Group, Misfit
 from crashkit.model import Model
 from crashkit.protocols import Identification
@@ -46,6 +48,8 @@ def diagnose(
     progress("re-identifying the model", 0.0)
     equipped = workshop.rehearsed(model, recordings.values())
     given = equipped.first_misfit(model, equipped.thinned(recordings)).with_prior(ROUGHLY)
+    with suppress(SimulationError):
+        given.residual(given.start())  # compiles the engine once, before copies of this process would each do so
     discovery = discover(equipped, given, reidentify(equipped.identifier, equipped.finder, given), progress)
     progress("refining", 0.0)
     return _told(equipped, _refined(equipped, discovery, recordings), holdout)

@@ -36,7 +36,7 @@ GENUINE = 0.85
 imitate much of any effect, and more closely than a known law whose form is slightly off."""
 SLICES = (1 / 3, 2 / 3, 1.0)
 """Shares of the time recorded."""
-SCOUTING = 8
+SCOUTING = 5
 """Steps of a quick search in each."""
 POLISHED = 2
 """How many of the leading claims are then searched again."""
