@@ -75,7 +75,7 @@ def _take(
 def _copy(
     function: Callable[[Item], Result], items: Sequence[Item], taken: Any, there: Connection, ends: Sequence[Connection]
 ) -> None:
-    """What a copy does. It closes the ends at which this process reads: a copy that held them would wait forever to be read."""
+    """What a copy does. It closes the ends at which its parent reads: holding them, it would wait forever to be read."""
     global _alone
     _alone = True
     for end in ends:
