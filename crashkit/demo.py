@@ -19,8 +19,6 @@ from crashkit.testing.concealed import EFFECTS, Case, make_case, read_answer, wr
 
 SIZES = ("middle", "gross")
 """How visible the secret is: a small one would need luck."""
-NOT_SHOWN = ("unknown", "rotation")
-"""The first has no name to be found, the second needs recordings with a second axis."""
 SEEDS = 100_000
 
 
@@ -79,8 +77,8 @@ def reveal(diagnosis: Diagnosis, answer: dict[str, Any]) -> str:
 
 
 def _known_physics() -> list[str]:
-    """What can be concealed and what an installed hypothesis names."""
-    return sorted((set(EFFECTS) & set(load().hypotheses)) - set(NOT_SHOWN))
+    """What can be concealed and what an installed hypothesis names; `unknown` names nothing."""
+    return sorted((set(EFFECTS) & set(load().hypotheses)) - {"unknown"})
 
 
 def _claim(physics: str, kind: str, place: object) -> tuple[str, str, str]:

@@ -237,7 +237,7 @@ def _entrants(workshop: Workshop, origin: Misfit, starts: Sequence[tuple[Proposa
 
 def _scouted(workshop: Workshop, origin: Misfit, starts: Sequence[tuple[Proposal, Mapping[str, float]]]) -> list[Entrant]:
     """Searches from where a quick one in growing slices of time ends, at few instants: it seldom jumps over a threshold."""
-    slices = [origin.coarse.up_to(share) for share in SLICES]
+    slices = [early for early in (origin.coarse.up_to(share) for share in SLICES) if early.groups]
 
     def scouted(start: tuple[Proposal, Mapping[str, float]]) -> Mapping[str, float]:
         proposal, values = start

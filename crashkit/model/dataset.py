@@ -120,9 +120,9 @@ def _plane_and_space(model: Model) -> dict[str, np.ndarray]:
         "joint_normal": _optional([joint.normal or () for joint in joints], axes),
     }
     gravity = {"gravity": np.array(model.gravity)} if model.gravity else {}
-    if any(joint.support for joint in joints):
-        gravity["joint_support"] = np.array([joint.support for joint in joints], dtype=np.int8)
-    return gravity | {name: column for name, column in columns.items() if not np.isnan(column).all()}
+    supports = [joint.support for joint in joints]
+    support = {"joint_support": np.array(supports, dtype=np.int8)} if any(supports) else {}
+    return gravity | support | {name: column for name, column in columns.items() if not np.isnan(column).all()}
 
 
 def _optional(rows: list[tuple[float, ...]], size: int) -> np.ndarray:

@@ -28,7 +28,7 @@ def parallel(
 ) -> Proposal:
     """A second joint beside `joint`, whose force vanishes where `amplitude` is 0."""
     name = fresh_name(f"{joint.name}_{physics}", (j.name for j in model.joints))
-    extra = Joint(name, joint.bodies, law, dict(parameters), points=joint.points, free_length=_own_length(joint))
+    extra = evolve(joint, name=name, law=law, parameters=dict(parameters), factors=(), free_length=_own_length(joint))
     return proposal(
         physics, form, {"joint": joint.name}, with_joint(model, extra), f"joint.{name}.", parameters, amplitude, starts
     )
