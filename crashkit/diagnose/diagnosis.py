@@ -26,7 +26,7 @@ UNEXPLAINED = 1.15
 WORTH_TELLING = 1e-4
 ROUGHLY = 0.3
 """Relative deviation to which the numbers of a given model are believed while causes are compared. Without it a model could
-hide what it lacks in numbers that nobody would give it; what is reported is fitted without it."""
+hide what it lacks in numbers that nobody would give it; how well a number is known is told without it."""
 
 
 def diagnose(
@@ -52,26 +52,21 @@ def diagnose(
         given.residual(given.start())  # compiles the engine once, before copies of this process would each do so
     discovery = discover(equipped, given, reidentify(equipped.identifier, equipped.finder, given), progress)
     progress("refining", 0.0)
-    return _told(equipped, _refined(equipped, discovery, recordings), holdout)
+    return _told(equipped, _refined(equipped, discovery, model, recordings), holdout)
 
 
-def _refined(workshop: Workshop, discovery: Discovery, recordings: Mapping[str, xr.DataTree]) -> Discovery:
-    """The base and the final model fitted without what was believed beforehand, and seen on every sample.
+def _refined(workshop: Workshop, discovery: Discovery, model: Model, recordings: Mapping[str, xr.DataTree]) -> Discovery:
+    """The base and the final model fitted to more samples, weighed alike, and seen on every sample.
 
-    What that fit can do without is not told.
+    What that fit can do without is not told. Numbers that the recordings do not see stay about where the user gave them.
     """
     workshop = workshop.equipped([discovery.base.model, discovery.final.model])
-    thinner = workshop.thinned(recordings)
-    searches = [refine(workshop.identifier, _plain(workshop, m, m.model, thinner)) for m in (discovery.base, discovery.final)]
+    thin = _weighed_alike(workshop.first_misfit(model, workshop.thinned(recordings)), discovery.final).with_prior(ROUGHLY)
+    searches = [refine(workshop.identifier, workshop.misfit(thin, m.model)) for m in (discovery.base, discovery.final)]
     rounds, *searches = needed(workshop, discovery.rounds, *searches)
-    base, final = (_plain(workshop, search.misfit, search.fitted().model, recordings) for search in searches)
-    return evolve(discovery, base=base, final=final, search=searches[1], rounds=rounds)
-
-
-def _plain(workshop: Workshop, misfit: Misfit, model: Model, recordings: Mapping[str, xr.DataTree]) -> Misfit:
-    """The misfit of a model to some recordings, weighed as `misfit` is, without a prior."""
-    levels = {(c.instrument, c.sensor, c.axis): c.noise.std for c in misfit.channels if not c.noise.trusted}
-    return workshop.first_misfit(model, recordings).with_levels(levels)
+    full = _weighed_alike(workshop.first_misfit(model, recordings), discovery.final)
+    base, final = (workshop.misfit(full, search.fitted().model) for search in searches)
+    return evolve(discovery, base=base, final=final, search=searches[1].unbelieving(), rounds=rounds)
 
 
 def _told(workshop: Workshop, discovery: Discovery, holdout: Mapping[str, xr.DataTree]) -> Diagnosis:

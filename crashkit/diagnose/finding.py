@@ -51,10 +51,11 @@ def make_finding(
     place = place_of(rival.proposal.location)
     start, stop, phase = _activity(action, end)
     named = tuple(run for run, drop in run_drops.items() if drop > RUN_DROP) or tuple(run_drops)
+    strongest = _strongest(action) if rival.proposal.physics == UNKNOWN and action else ""
     return Finding(
         physics=rival.proposal.physics,
         form=rival.proposal.form,
-        sentence=kind.sentence.format(place=place),
+        sentence=kind.sentence.format(place=place) + strongest,
         probability=probability,
         location=_told(rival.proposal.location),
         runs=named,
@@ -93,7 +94,7 @@ def experiment(best: Misfit, rival: Misfit, name: str) -> str:
     if speed == 0.0:
         return ""
     first, second = (misfit.with_recordings((fastest,)).at_speed(FASTER) for misfit in (best, rival))
-    difference = first.residual(first.start()) - second.residual(second.start())
+    difference = first.discrepancy(first.start()) - second.discrepancy(second.start())
     sigma = float(np.sqrt(difference @ difference))
     verdict = "would separate" if sigma > SEPARATED else "would hardly separate"
     return f"the same test at {FASTER * speed:.1f} m/s {verdict} this from {name}: {sigma:.0f} sigma"
@@ -111,6 +112,14 @@ def _told(location: Mapping[str, object]) -> dict[str, object]:
 def _short(path: str) -> str:
     """`joint.front.crush_force` gives `crush_force`."""
     return path.rsplit(".", 1)[-1]
+
+
+def _strongest(action: Mapping[str, xr.Dataset]) -> str:
+    """The largest force of an estimated law, and where it acts."""
+    run = max(action.values(), key=lambda one: float(np.nanmax(np.abs(one["modelled_force"].values))))
+    at = run.isel(time=int(np.nanargmax(np.abs(run["modelled_force"].values))))
+    force, deformation, rate = (float(at[name]) for name in ("modelled_force", "deformation", "deformation_rate"))
+    return f", strongest with {1e-3 * force:.3g} kN at a deformation of {1e3 * deformation:.0f} mm and {rate:.1f} m/s"
 
 
 def _activity(action: Mapping[str, xr.Dataset], end: float) -> tuple[float, float, str]:

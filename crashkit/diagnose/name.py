@@ -31,9 +31,11 @@ STRAINED = 9.0
 """The same for the chi squared of its departure from what the user gave."""
 FLOOR = 1.05
 """Normalised residual above which the winner has not explained everything, and the search goes on."""
-GENUINE = 0.85
-"""Share of its drop that an estimated table is credited with while it leaves something unexplained: a dozen free heights
-imitate much of any effect, and more closely than a known law whose form is slightly off."""
+GENUINE = 0.95
+"""Share of its drop that an estimated table is credited with: two dozen free heights imitate any force of the deformation, and
+more closely than a known law whose form is slightly off."""
+IMITATING = 0.85
+"""The same while it leaves something unexplained."""
 SLICES = (1 / 3, 2 / 3, 1.0)
 """Shares of the time recorded."""
 SCOUTING = 5
@@ -123,7 +125,7 @@ def fit_rivals(
     at_noise = normalised < FLOOR and not strained
     chosen = _promising(scores, 1, NOISE_PROMISE if at_noise else LEAST_PROMISE)
     fitted = _heats(_entrants(workshop, base, [(p, promise.values) for p, promise in chosen]), HEATS, progress)
-    if strained or normalised > CONCEALED:
+    if (strained or normalised > CONCEALED) and not any(_explains(search) for _, search in fitted):
         rough = _promising(_scores(workshop, given.coarse, proposals, np.inf, progress), STARTS, LEAST_PROMISE)
         fitted += _heats(_scouted(workshop, given, [(p, promise.values) for p, promise in rough]), HEATS, progress)
     rivals = [_rival(proposal, search, base.deviance(residual)) for proposal, search in fitted]
@@ -131,6 +133,13 @@ def fit_rivals(
     if ranked and ranked[0].search.normalised > FLOOR:
         ranked += _polished(workshop, given, ranked, proposals, base.deviance(residual), progress)
     return sorted(ranked, key=lambda rival: -rival.evidence), _limits(scores)
+
+
+def _explains(search: Search) -> bool:
+    """Whether nothing is left that another claim could explain better, and no number had to be strained for it."""
+    chance = 1.0 / np.sqrt(2.0 * search.misfit.independent_samples)
+    told = all(channel.noise.trusted for channel in search.misfit.channels)
+    return bool(told and search.normalised < 1.0 + 2.0 * chance and search.misfit.departure(search.point) < STRAINED)
 
 
 def _limits(scores: Iterable[tuple[Proposal, Score]]) -> list[Limit]:
@@ -204,8 +213,8 @@ def _leads(proposal: Proposal, ranked: Sequence[Rival]) -> bool:
 def _rival(proposal: Proposal, search: Search, reference: float) -> Rival:
     drop = reference - search.deviance
     price = float(len(proposal.parameters) * np.log(search.misfit.independent_samples))
-    imitates = proposal.physics == UNKNOWN and search.normalised > FLOOR
-    return Rival(proposal, search, drop, 0.5 * ((GENUINE if imitates else 1.0) * drop - price))
+    credit = 1.0 if proposal.physics != UNKNOWN else GENUINE if search.normalised < FLOOR else IMITATING
+    return Rival(proposal, search, drop, 0.5 * (credit * drop - price))
 
 
 def _scores(
@@ -236,12 +245,15 @@ def _entrants(workshop: Workshop, origin: Misfit, starts: Sequence[tuple[Proposa
 
 
 def _scouted(workshop: Workshop, origin: Misfit, starts: Sequence[tuple[Proposal, Mapping[str, float]]]) -> list[Entrant]:
-    """Searches from where a quick one in growing slices of time ends, at few instants: it seldom jumps over a threshold."""
+    """Searches from where a quick one in growing slices of time ends, at few instants: it seldom jumps over a threshold.
+
+    Instruments have none.
+    """
     slices = [early for early in (origin.coarse.up_to(share) for share in SLICES) if early.groups]
 
     def scouted(start: tuple[Proposal, Mapping[str, float]]) -> Mapping[str, float]:
         proposal, values = start
-        for early in slices:
+        for early in [] if workshop.hypotheses[proposal.physics].sensor else slices:
             misfit = workshop.misfit(early, proposal.model).with_values(values)
             values = misfit.values(begin(workshop.identifier, misfit).advance(SCOUTING).point)
         return values

@@ -1,5 +1,6 @@
 """Runs an identifier step by step, so that a diagnosis can drop a hopeless rival after a few steps."""
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -65,6 +66,11 @@ class Search:
         """The identification as it stands; one that has settled counts as converged."""
         outcome = self.identifier.finish(self.misfit, self.state)
         return evolve(outcome, status=Status.CONVERGED) if self.settled else outcome
+
+    def unbelieving(self) -> "Search":
+        """The same end, judged by the recordings alone, without what was believed of the model's numbers beforehand."""
+        converged = self.settled or self.state.status is Status.CONVERGED
+        return evolve(begin(self.identifier, self.fitted().with_prior(math.inf)), settled=converged)
 
     def fitted(self) -> Misfit:
         """The misfit with its model at the values found."""

@@ -96,5 +96,5 @@ def _lines_of(finding: Finding) -> list[str]:
 
 
 def _main(finding: Finding) -> list[tuple[str, Estimate]]:
-    """The first few parameters: an estimated table has many."""
-    return list(finding.parameters.items())[:4]
+    """The first few parameters; the entries of a table say little by themselves."""
+    return [(name, estimate) for name, estimate in finding.parameters.items() if "[" not in name][:4]

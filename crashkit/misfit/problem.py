@@ -13,7 +13,7 @@ from crashkit.misfit.channel import Channel, Group, groups_of
 from crashkit.misfit.coarse import COARSE_STEP, coarse_group, early_group
 from crashkit.misfit.predictor import STEP, Prediction, Predictor
 from crashkit.misfit.rows import Rows, rows_of
-from crashkit.model import Model
+from crashkit.model import Model, Parameter
 from crashkit.protocols import Observer, SpringLaw
 
 
@@ -72,10 +72,9 @@ class Misfit:
         free = model.free_parameters()
         self.names, self._free = tuple(free), tuple(free.values())
         self._log = np.array([parameter.lower > 0 for parameter in self._free], dtype=bool)
-        self._known = np.array([i for i, name in enumerate(self.names) if name in prior.centres], dtype=int)
-        self._centres = self.scaled(
-            np.array([prior.centres.get(p, v.value) for p, v in zip(self.names, self._free, strict=True)])
-        )
+        expected = [self._expected(name, parameter) for name, parameter in free.items()]
+        self._known = np.flatnonzero([std < math.inf for _, std in expected])
+        self._centres, self._stds = np.array(expected).reshape(-1, 2)[self._known].T
 
     @cached_property
     def predictor(self) -> Predictor:
@@ -137,9 +136,13 @@ class Misfit:
 
         What is known of parameters beforehand follows, one residual for each.
         """
+        return np.concatenate([self.discrepancy(scaled), self._departure(scaled)])
+
+    def discrepancy(self, scaled: np.ndarray) -> np.ndarray:
+        """Weighted residuals of the samples alone."""
         residual = self._residual(self.predictor.predict_at(self.parameters(scaled)))
         residual[np.isnan(residual)] = 0.0
-        return np.concatenate([residual, self._departure(scaled)])
+        return residual
 
     def residual_and_jacobian(self, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Weighted residuals and their derivatives to the search variables."""
@@ -153,7 +156,7 @@ class Misfit:
             residual[unknown], jacobian[unknown] = 0.0, 0.0
         if not self._known.size:
             return residual, jacobian
-        own = np.eye(len(scaled))[self._known] / self.prior.std
+        own = np.eye(len(scaled))[self._known] / self._stds[:, None]
         return np.concatenate([residual, self._departure(scaled)]), np.concatenate([jacobian, own])
 
     def departure(self, scaled: np.ndarray) -> float:
@@ -161,7 +164,13 @@ class Misfit:
         return float(np.sum(self._departure(scaled) ** 2))
 
     def _departure(self, scaled: np.ndarray) -> np.ndarray:
-        return np.asarray((scaled - self._centres)[self._known] / self.prior.std)
+        return np.asarray((scaled[self._known] - self._centres) / self._stds)
+
+    def _expected(self, name: str, parameter: Parameter) -> tuple[float, float]:
+        """Mean and standard deviation of a search variable beforehand."""
+        if name in self.prior.centres:
+            return math.log(self.prior.centres[name]), self.prior.std
+        return 0.0, parameter.size
 
     def channel_sums(self, residual: np.ndarray) -> np.ndarray:
         """The sum of squares of each channel's weighted residuals; a channel at its noise gives its independent samples."""

@@ -155,7 +155,7 @@ def _readings(model: Model, recordings: Mapping[str, xr.DataTree], engine: Engin
     """What every instrument reads, in standard deviations from what it recorded."""
     registry = load()
     misfit = Misfit(model, recordings, registry.spring_laws, registry.observers, engine)
-    return misfit.residual(misfit.start())
+    return misfit.discrepancy(misfit.start())
 
 
 def _name(proposal: Proposal) -> str:

@@ -245,6 +245,17 @@ def test_what_is_known_beforehand_pulls_by_the_logarithm(misfit, model, recorded
     assert own.with_values({path: 1.3}).prior == own.prior
 
 
+def test_a_size_expected_of_a_parameter_pulls_it_towards_zero(misfit, model, recorded):
+    path = "joint.first.clearance"
+    expected = misfit(model.with_parameters({path: Parameter(0.01, 0.0, 1.0, size=0.004)}), run=recorded(model))
+    point = expected.start()
+    assert expected.departure(point) == pytest.approx(6.25)
+    residual, jacobian = expected.residual_and_jacobian(point)
+    assert len(residual) == len(expected.discrepancy(point)) + 1
+    assert residual[-1] == pytest.approx(2.5)
+    assert jacobian[-1] == pytest.approx(np.where([name == path for name in expected.names], 250.0, 0.0))
+
+
 def test_a_test_at_another_speed_knows_nothing_beforehand(misfit, model, recorded):
     own = misfit(model, run=recorded(model)).with_prior(0.2).at_speed(1.2)
     assert len(own.residual(own.start())) == sum(channel.samples for channel in own.channels)

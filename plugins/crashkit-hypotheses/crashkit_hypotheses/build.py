@@ -54,6 +54,23 @@ def added(
     return proposal(physics, form, {"joint": joint.name}, augmented, prefix, parameters, amplitude, starts)
 
 
+def changed(
+    model: Model,
+    joint: Joint,
+    physics: str,
+    form: str,
+    parameters: Mapping[str, Parameter],
+    amplitude: str,
+    starts: Iterable[Mapping[str, float]] = ({},),
+    null: float | None = 0.0,
+) -> Proposal:
+    """Parameters of the law of `joint` itself, which it had left out."""
+    own = evolve(joint, parameters={**joint.parameters, **parameters})
+    augmented = evolve(model, joints=tuple(own if j.name == joint.name else j for j in model.joints))
+    prefix = f"joint.{joint.name}."
+    return proposal(physics, form, {"joint": joint.name}, augmented, prefix, parameters, amplitude, starts, null)
+
+
 def multiplied(
     model: Model,
     joint: Joint,

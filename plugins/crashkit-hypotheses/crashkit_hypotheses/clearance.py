@@ -4,11 +4,10 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 import xarray as xr
-from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import grid, largest_deformation, proposal
+from crashkit_hypotheses.build import changed, grid, largest_deformation
 
 
 class Clearance(Hypothesis):
@@ -24,11 +23,8 @@ class Clearance(Hypothesis):
 
     def _gap(self, model: Model, joint: Joint, reached: float) -> Proposal:
         gap = {"clearance": Parameter(0.0, 0.0, max(reached, 0.01))}
-        changed = evolve(joint, parameters={**joint.parameters, **gap})
-        augmented = evolve(model, joints=tuple(changed if j.name == joint.name else j for j in model.joints))
         starts = [{}, *grid(clearance=[share * max(reached, 0.01) for share in (0.05, 0.2)])]
-        prefix = f"joint.{joint.name}."
-        return proposal(self.physics, "gap", {"joint": joint.name}, augmented, prefix, gap, "clearance", starts)
+        return changed(model, joint, self.physics, "gap", gap, "clearance", starts)
 
 
 def _is_closed(joint: Joint) -> bool:

@@ -10,12 +10,13 @@ from crashkit_hypotheses.fracture import Fracture
 from crashkit_hypotheses.instrument_faults import Bias, ClockOffset, GainError
 from crashkit_hypotheses.missing_contact import MissingContact
 from crashkit_hypotheses.obstacle_motion import ObstacleMotion
-from crashkit_hypotheses.parallel_forces import JointFriction, PeakLoad, ProgressiveFolding, Tension, ViscousDamping
+from crashkit_hypotheses.parallel_forces import JointFriction, PeakLoad, ProgressiveFolding, ViscousDamping
 from crashkit_hypotheses.plastic_unloading import PlasticUnloading
 from crashkit_hypotheses.rate_dependence import RateDependence
 from crashkit_hypotheses.relaxation import Relaxation
 from crashkit_hypotheses.rotation import Rotation
 from crashkit_hypotheses.sensor_faults import Misalignment, MountingResonance, Saturation
+from crashkit_hypotheses.tension import Tension
 from crashkit_hypotheses.unknown import Unknown
 
 

@@ -1,4 +1,4 @@
-"""Forces that act beside a joint's law: damping, friction, a peak, folds, tension."""
+"""Forces that act beside a joint's law: damping, friction, a peak, folds."""
 
 from collections.abc import Sequence
 from typing import ClassVar
@@ -89,23 +89,6 @@ class ProgressiveFolding(Hypothesis):
         lengths, onsets = (0.08, 0.12, 0.18, 0.27, 0.4), (0.0, 0.15, 0.4)
         starts = grid(fold_length=[share * reached for share in lengths], onset=[share * reached for share in onsets])
         return added(model, joint, self.physics, "sine", "folding", folds, "amplitude", starts)
-
-
-class Tension(Hypothesis):
-    """F = F_law + k d for d < 0."""
-
-    physics: ClassVar[str] = "tension"
-    sentence: ClassVar[str] = "{place} also pulls"
-
-    def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Every joint that is stretched in some run."""
-        stretched = [j for j in model.joints if min(_least(m, j.name) for m in motion) < -1e-4]
-        pull = {"stiffness": Parameter(0.0, 0.0, 1e9)}
-        return [parallel(model, joint, self.physics, "linear", "tension_spring", pull, "stiffness") for joint in stretched]
-
-
-def _least(motion: xr.Dataset, joint: str) -> float:
-    return float(motion["deformation"].sel(joint=joint).min())
 
 
 def _used(model: Model, motion: Sequence[xr.Dataset]) -> list[Joint]:

@@ -4,15 +4,14 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 import xarray as xr
-from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import grid, largest_deformation, largest_force, proposal
+from crashkit_hypotheses.build import changed, grid, largest_deformation, largest_force, multiplied
 
 
 class PlasticUnloading(Hypothesis):
-    """F = F_load(d_max) - k (d_max - d) where the model unloads along its loading curve."""
+    """Where the model unloads along its loading curve, F = F_load(d_max) - k (d_max - d), or a share of F fades on the way back."""
 
     physics: ClassVar[str] = "plastic_unloading"
     sentence: ClassVar[str] = "{place} unloads along a path of its own and keeps part of its energy"
@@ -20,17 +19,23 @@ class PlasticUnloading(Hypothesis):
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every joint whose law can unload by its own slope and does not."""
         elastic = [joint for joint in model.joints if _is_elastic(joint)]
-        return [self._plastic(model, joint, motion) for joint in elastic if largest_deformation(motion, joint.name) > 0]
+        used = [joint for joint in elastic if largest_deformation(motion, joint.name) > 0]
+        return [form(model, joint, motion) for joint in used for form in (self._line, self._fading)]
 
-    def _plastic(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> Proposal:
+    def _line(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> Proposal:
         secant = max(largest_force(motion, joint.name) / largest_deformation(motion, joint.name), 1e3)
         slope = {"unloading_stiffness": Parameter(3.0 * secant, 0.1 * secant, 1e3 * secant)}
-        changed = evolve(joint, parameters={**joint.parameters, **slope})
-        augmented = evolve(model, joints=tuple(changed if j.name == joint.name else j for j in model.joints))
         starts = grid(unloading_stiffness=(2.0 * secant, 6.0 * secant, 30.0 * secant))
-        location = {"joint": joint.name}
-        prefix = f"joint.{joint.name}."
-        return proposal(self.physics, "line", location, augmented, prefix, slope, "unloading_stiffness", starts, null=None)
+        return changed(model, joint, self.physics, "line", slope, "unloading_stiffness", starts, null=None)
+
+    def _fading(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> Proposal:
+        reached = largest_deformation(motion, joint.name)
+        fading = {
+            "loss": Parameter(0.0, 0.0, 1.0),
+            "unloading_length": Parameter(0.1 * reached, 1e-3 * reached, 3.0 * reached),
+        }
+        starts = grid(unloading_length=[share * reached for share in (0.03, 0.1, 0.4)])
+        return multiplied(model, joint, self.physics, "fading", "unloading_loss", fading, "loss", starts)
 
 
 def _is_elastic(joint: Joint) -> bool:

@@ -15,6 +15,7 @@ from crashkit_hypotheses.plastic_unloading import PlasticUnloading
 from crashkit_hypotheses.rate_dependence import RateDependence
 from crashkit_hypotheses.relaxation import Relaxation
 from crashkit_hypotheses.rotation import Rotation
+from crashkit_hypotheses.tension import Tension
 from crashkit_hypotheses.unknown import Unknown
 
 
@@ -105,7 +106,7 @@ class TestSaturation(Contract):
 
 
 class TestTension(Contract):
-    kind = parallel_forces.Tension
+    kind = Tension
 
 
 class TestRotation(Contract):

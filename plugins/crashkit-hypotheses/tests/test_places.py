@@ -100,10 +100,13 @@ def test_a_joint_that_is_never_compressed_hides_nothing(propose, runs):
         assert places(propose(physics, motion=still)) == {(("joint", "first"),)}, physics
 
 
-def test_a_joint_pulls_only_if_it_was_stretched(propose, runs):
+def test_a_strap_needs_a_joint_that_was_stretched_and_a_pulling_line_one_that_does_not_pull(propose, runs, model):
     pressed = [run.assign(deformation=np.maximum(run["deformation"], 0.0)) for run in runs]
     assert places(propose("tension")) == BOTH_JOINTS
-    assert propose("tension", motion=pressed) == []
+    assert {p.form for p in propose("tension")} == {"own line", "strap"}
+    assert {p.form for p in propose("tension", motion=pressed)} == {"own line"}
+    pulls = model.with_parameters({"joint.first.tension": Parameter(1.0, fixed=True)})
+    assert places(propose("tension", pulls, pressed)) == {(("joint", "second"),)}
 
 
 def test_bodies_that_are_joined_or_never_come_closer_do_not_touch_anew(propose, model, runs):

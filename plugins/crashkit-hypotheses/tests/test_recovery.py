@@ -112,6 +112,10 @@ def fading(model):
     return with_factor(model, "first", "fading", fixed(fading_share=0.4, relaxation_time=0.03))
 
 
+def pulling(model):
+    return model.with_parameters(fixed(**{"joint.second.tension": 1.0}))
+
+
 def rubbing(model):
     return with_joint(model, Joint("rub", ("wall", "front"), "coulomb", fixed(friction_force=4e3, slip_rate=0.05)))
 
@@ -176,6 +180,7 @@ CASES = {
     ),
     relaxing: (("relaxation", "maxwell", {"joint": "second"}), {"relaxing_stiffness": 1e5, "relaxation_time": 0.02}),
     fading: (("relaxation", "fading", {"joint": "first"}), {"fading_share": 0.4, "relaxation_time": 0.03}),
+    pulling: (("tension", "own line", {"joint": "second"}), {"tension": 1.0}),
     rubbing: (("joint_friction", "sharp", {"joint": "first"}), {"friction_force": 4e3}),
     touching: (
         ("missing_contact", "parabola", {"bodies": ["wall", "rear"]}),

@@ -4,7 +4,7 @@ from crashkit_spring_laws.buckling import Folding, Peak
 from crashkit_spring_laws.crush_plateau import CrushPlateau
 from crashkit_spring_laws.dampers import Coulomb, Viscous, ViscousPower
 from crashkit_spring_laws.fracture import Brittle, Fracture, Tear
-from crashkit_spring_laws.gradual_loss import Fading, Softening
+from crashkit_spring_laws.gradual_loss import Fading, Softening, UnloadingLoss
 from crashkit_spring_laws.hysteresis import BoucWen
 from crashkit_spring_laws.measured_curve import MeasuredCurve
 from crashkit_spring_laws.piecewise_affine import PiecewiseAffine
@@ -36,6 +36,7 @@ SPRING_LAWS = (
     Brittle,
     Tear,
     Softening,
+    UnloadingLoss,
     Fading,
     SmoothTable,
     RateTable,
@@ -65,6 +66,7 @@ __all__ = [
     "Tear",
     "TensionSpring",
     "Tie",
+    "UnloadingLoss",
     "Viscous",
     "ViscousPower",
 ]

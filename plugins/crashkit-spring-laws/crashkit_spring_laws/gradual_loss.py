@@ -1,4 +1,6 @@
-"""Force that is lost little by little: with deformation, for good, or with the time under load."""
+"""Force that is lost little by little: with deformation, for good, on the way back, or with the time under load."""
+
+import math
 
 from crashkit.protocols import ParameterSpec, SpringLaw
 
@@ -22,6 +24,22 @@ class Softening(SpringLaw):
     ) -> float:
         """The factor."""
         return 1.0 - loss * min(1.0, max(0.0, d_max - softening_deformation) / softening_length)
+
+
+class UnloadingLoss(SpringLaw):
+    """A member that gives back less than it took: 1 - loss (1 - exp(-(d_max - d) / unloading_length))."""
+
+    name = "unloading_loss"
+    unit = "1"
+    parameters = (
+        LOSS,
+        ParameterSpec("unloading_length", "m", "way back over which 63 % of the share is lost", lower=1e-6),
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, loss: float, unloading_length: float) -> float:
+        """The factor."""
+        return 1.0 - loss * (1.0 - math.exp(-(d_max - d) / unloading_length))
 
 
 class Fading(SpringLaw):

@@ -6,6 +6,14 @@ from crashkit.protocols import ParameterSpec, SpringLaw
 from crashkit_spring_laws.shared import ENGAGEMENT
 
 HEIGHTS = ParameterSpec("heights", "N", "heights of the bumps, of either sign", vector=True, null=0.0)
+UNLOADING_LENGTH = ParameterSpec(
+    "unloading_length",
+    "m",
+    "way back over which the force is lost; omitted (0): unloads along the loading curve",
+    lower=1e-6,
+    default=0.0,
+    null=0.0,
+)
 WIDTH = 0.8
 """Of a bump, in distances between bumps: wide enough to overlap smoothly, narrow enough to be told apart."""
 
@@ -14,20 +22,32 @@ class SmoothTable(SpringLaw):
     """A smooth force of the deformation: bumps at even distances between d = 0 and d = reach.
 
     F = min(1, max(0, d) / engagement) sum_i heights[i] exp(-((n d / reach - i - 1/2) / 0.8)^2), beyond reach as at reach.
+    With an unloading length, F = F(d_max) max(0, 1 - (d_max - d) / unloading_length).
     """
 
     name = "smooth_table"
     passive = False
-    parameters = (HEIGHTS, ParameterSpec("reach", "m", "deformation that the bumps cover", lower=1e-6, free=False), ENGAGEMENT)
+    parameters = (
+        HEIGHTS,
+        ParameterSpec("reach", "m", "deformation that the bumps cover", lower=1e-6, free=False),
+        UNLOADING_LENGTH,
+        ENGAGEMENT,
+    )
 
     @staticmethod
-    def force(d: float, ddot: float, d_max: float, heights: list[float], reach: float, engagement: float) -> float:
+    def force(
+        d: float, ddot: float, d_max: float, heights: list[float], reach: float, unloading_length: float, engagement: float
+    ) -> float:
         """The force, N, compression positive."""
-        place = min(d / reach, 1.0) * len(heights)
+        turn = d_max if unloading_length > 0.0 else d
+        place = min(turn / reach, 1.0) * len(heights)
         total = 0.0
         for i, height in enumerate(heights):
             total = total + height * math.exp(-(((place - i - 0.5) / WIDTH) ** 2))
-        return total * min(1.0, max(0.0, d) / engagement)
+        total = total * min(1.0, max(0.0, turn) / engagement)
+        if turn > d:
+            total = total * max(0.0, 1.0 - (turn - d) / unloading_length)
+        return total
 
 
 class RateTable(SpringLaw):

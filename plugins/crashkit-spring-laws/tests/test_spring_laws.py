@@ -32,6 +32,7 @@ from crashkit_spring_laws import (
     Tear,
     TensionSpring,
     Tie,
+    UnloadingLoss,
     Viscous,
     ViscousPower,
 )
@@ -77,6 +78,7 @@ EXAMPLES = [
     (Fracture, {"fracture_deformation": 0.3, "loss": 0.7}),
     (Brittle, {"stiffness": 1e6, "fracture_deformation": 0.3}),
     (Tear, {"tear_extension": 0.05, "loss": 0.7}),
+    (UnloadingLoss, {"loss": 0.4, "unloading_length": 0.05}),
     (Softening, {"softening_deformation": 0.3, "softening_length": 0.2, "loss": 0.7}),
     (Fading, {"fading_share": 0.6, "relaxation_time": 0.02}),
     (Tie, {"stiffness": 1e6, "damping": 2e3, "slack": 0.05}),
@@ -232,10 +234,23 @@ def test_tables():
     assert value(RateTable, 0.0, ddot=5.0, **rates) == 0.0
 
 
+def test_a_table_is_unloaded_over_a_length_and_reloaded_along_it():
+    table = {"heights": [1e4, -2e4], "reach": 0.6, "unloading_length": 0.1}
+    full = value(SmoothTable, 0.45, **table)
+    forces = [value(SmoothTable, d, d_max=0.45, **table) for d in (0.45, 0.4, 0.35, 0.2)]
+    assert forces == pytest.approx([full, 0.5 * full, 0.0, 0.0])
+
+
 def test_softening_takes_its_share_over_a_length_and_for_good():
     member = {"softening_deformation": 0.3, "softening_length": 0.2, "loss": 0.6}
     whole, half, all_of_it, after = (value(Softening, 0.1, d_max=deepest, **member) for deepest in (0.3, 0.4, 0.5, 0.9))
     assert [whole, half, all_of_it, after] == pytest.approx([1.0, 0.7, 0.4, 0.4])
+
+
+def test_a_share_is_lost_on_the_way_back():
+    member = {"loss": 0.4, "unloading_length": 0.05}
+    factors = [value(UnloadingLoss, d, d_max=0.3, **member) for d in (0.3, 0.25, -10.0)]
+    assert factors == pytest.approx([1.0, 1.0 - 0.4 * (1.0 - math.exp(-1.0)), 0.6])
 
 
 def test_a_share_fades_under_load_and_comes_back_at_rest():
