@@ -19,7 +19,7 @@ from crashkit.protocols import Hypothesis, Proposal
 Progress = Callable[[str, float], None]
 Entrant = tuple[Proposal, Search]
 
-STARTS = 2
+STARTS = 1
 """How many starts of each form of each claim are fitted from the given values; one is from the re-identified ones."""
 HEATS = ((300, 3), (40, 5), (10, 8), (4, 40))
 """How many of them enter each heat of fits, and how many steps each gets there. Those from the given values have heats of
@@ -36,15 +36,15 @@ GENUINE = 0.95
 more closely than a known law whose form is slightly off."""
 IMITATING = 0.85
 """The same while it leaves something unexplained."""
-SLICES = (1 / 3, 2 / 3, 1.0)
-"""Shares of the time recorded."""
+GROWING = (1 / 3, 2 / 3, 1.0)
+"""Shares of the time recorded that are looked at one after the other where a search begins far from the recordings."""
 SCOUTING = 5
 """Steps of a quick search in each."""
 POLISHED = 2
 """How many of the leading claims are then searched again."""
 SCATTERED = 6
 """From how many starts each of their forms."""
-POLISHING = ((200, 5), (24, 10), (5, 60))
+POLISHING = ((24, 10), (5, 60))
 """The heats of that."""
 LEAST_PROMISE = 1e-3
 """A drop in chi squared below this says that nothing of the effect is excited. More is not asked of a model that is above the
@@ -124,10 +124,14 @@ def fit_rivals(
     strained = base.departure(base.start()) > STRAINED
     at_noise = normalised < FLOOR and not strained
     chosen = _promising(scores, 1, NOISE_PROMISE if at_noise else LEAST_PROMISE)
-    fitted = _heats(_entrants(workshop, base, [(p, promise.values) for p, promise in chosen]), HEATS, progress)
+    fitted = _heats(
+        _scouted(workshop, base, [(p, promise.values) for p, promise in chosen], (1.0,), HEATS[0][0]), HEATS, progress
+    )
     if (strained or normalised > CONCEALED) and not any(_explains(search) for _, search in fitted):
         rough = _promising(_scores(workshop, given.coarse, proposals, np.inf, progress), STARTS, LEAST_PROMISE)
-        fitted += _heats(_scouted(workshop, given, [(p, promise.values) for p, promise in rough]), HEATS, progress)
+        fitted += _heats(
+            _scouted(workshop, given, [(p, promise.values) for p, promise in rough], GROWING, HEATS[0][0]), HEATS, progress
+        )
     rivals = [_rival(proposal, search, base.deviance(residual)) for proposal, search in fitted]
     ranked = sorted(rivals, key=lambda rival: -rival.evidence)
     if ranked and ranked[0].search.normalised > FLOOR:
@@ -199,7 +203,7 @@ def _polished(
         new = {name: known[name] for name in proposal.parameters if name in known} or dict(proposal.starts[0])
         misfits = scattered(workshop.misfit(given, proposal.model).with_values(new), SCATTERED)
         starts += [(proposal, misfit.values(misfit.start())) for misfit in misfits]
-    entrants = _scouted(workshop, given, starts)
+    entrants = _scouted(workshop, given, starts, GROWING, POLISHING[0][0])
     return [_rival(proposal, search, reference) for proposal, search in _heats(entrants, POLISHING, progress)]
 
 
@@ -239,27 +243,31 @@ def _promising(scores: Sequence[tuple[Proposal, Score]], most: int, least: float
     return _first_of_each(sorted(promising, key=lambda one: -one[1].drop), most)
 
 
-def _entrants(workshop: Workshop, origin: Misfit, starts: Sequence[tuple[Proposal, Mapping[str, float]]]) -> list[Entrant]:
-    misfits = [workshop.misfit(origin, proposal.model).with_values(values) for proposal, values in starts]
-    return list(zip((proposal for proposal, _ in starts), begin_all(workshop.identifier, misfits), strict=True))
+def _scouted(
+    workshop: Workshop,
+    origin: Misfit,
+    starts: Sequence[tuple[Proposal, Mapping[str, float]]],
+    shares: Sequence[float],
+    most: int,
+) -> list[Entrant]:
+    """Searches from where quick ones at few instants end, of which the best go on.
 
-
-def _scouted(workshop: Workshop, origin: Misfit, starts: Sequence[tuple[Proposal, Mapping[str, float]]]) -> list[Entrant]:
-    """Searches from where a quick one in growing slices of time ends, at few instants: it seldom jumps over a threshold.
-
-    Instruments have none.
+    In growing shares of the time a search seldom jumps over a threshold; instruments have none.
     """
-    slices = [early for early in (origin.coarse.up_to(share) for share in SLICES) if early.groups]
+    slices = [early for early in (origin.coarse.up_to(share) for share in shares) if early.groups]
 
-    def scouted(start: tuple[Proposal, Mapping[str, float]]) -> Mapping[str, float]:
+    def scouted(start: tuple[Proposal, Mapping[str, float]]) -> tuple[Mapping[str, float], float]:
         proposal, values = start
-        for early in [] if workshop.hypotheses[proposal.physics].sensor else slices:
+        for early in slices[-1:] if workshop.hypotheses[proposal.physics].sensor else slices:
             misfit = workshop.misfit(early, proposal.model).with_values(values)
-            values = misfit.values(begin(workshop.identifier, misfit).advance(SCOUTING).point)
-        return values
+            search = begin(workshop.identifier, misfit).advance(SCOUTING)
+            values = misfit.values(search.point)
+        return values, search.state.cost
 
-    found = spread(scouted, starts)
-    return _entrants(workshop, origin, [(proposal, values) for (proposal, _), values in zip(starts, found, strict=True)])
+    found = zip(starts, spread(scouted, starts), strict=True)
+    ahead = sorted(((proposal, *end) for (proposal, _), end in found), key=lambda one: one[2])[:most]
+    misfits = [workshop.misfit(origin, proposal.model).with_values(values) for proposal, values, _ in ahead]
+    return list(zip((proposal for proposal, *_ in ahead), begin_all(workshop.identifier, misfits), strict=True))
 
 
 def _first_of_each(ranked: Sequence[tuple[Proposal, Score]], most: int) -> list[tuple[Proposal, Score]]:

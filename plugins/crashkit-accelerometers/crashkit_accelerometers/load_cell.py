@@ -45,7 +45,7 @@ class LoadCell(PlainObserver):
         Raises CrashkitError where several cells share a body: how they share its force is not known.
         """
         _refuse_shared_bodies(instrument)
-        felt = felt_in_laboratory(self, without_supports(motion), "contact_force", bodies_of(self, motion, instrument))
+        felt = felt_in_laboratory(self, _without_supports(motion), "contact_force", bodies_of(self, motion, instrument))
         return predict_channels(self, motion, instrument, own_errors(self, instrument, errors), felt)
 
     def reading(self, instrument: xr.Dataset, turning: bool) -> Reading | None:
@@ -62,7 +62,7 @@ class LoadCell(PlainObserver):
         return reconstruct_bodies(self, instrument, "contact_force")
 
 
-def without_supports(motion: xr.Dataset) -> xr.Dataset:
+def _without_supports(motion: xr.Dataset) -> xr.Dataset:
     """The motion with the net force of only those joints on each body that do not support one; on a line."""
     if "joint_support" not in motion.variables or not motion.variables["joint_support"].values.any():
         return motion

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 import xarray as xr
+from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
@@ -11,7 +12,7 @@ from crashkit_hypotheses.build import changed, grid, largest_deformation
 
 
 class Clearance(Hypothesis):
-    """F(d) becomes F(d - gap), and 0 while d < gap."""
+    """F(d) becomes F(d - gap), and 0 while d < gap; or it engages softly after the gap."""
 
     physics: ClassVar[str] = "clearance"
     sentence: ClassVar[str] = "{place} engages only after a gap"
@@ -19,12 +20,19 @@ class Clearance(Hypothesis):
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every joint whose law has a clearance that is not identified already."""
         closed = [joint for joint in model.joints if _is_closed(joint)]
-        return [self._gap(model, joint, largest_deformation(motion, joint.name)) for joint in closed]
+        forms = (self._gap, self._toe)
+        return [form(model, joint, max(largest_deformation(motion, joint.name), 0.01)) for joint in closed for form in forms]
 
     def _gap(self, model: Model, joint: Joint, reached: float) -> Proposal:
-        gap = {"clearance": Parameter(0.0, 0.0, max(reached, 0.01))}
-        starts = [{}, *grid(clearance=[share * max(reached, 0.01) for share in (0.05, 0.2)])]
+        gap = {"clearance": Parameter(0.0, 0.0, reached)}
+        starts = [{}, *grid(clearance=[share * reached for share in (0.05, 0.2)])]
         return changed(model, joint, self.physics, "gap", gap, "clearance", starts)
+
+    def _toe(self, model: Model, joint: Joint, reached: float) -> Proposal:
+        soft = {"clearance": Parameter(0.0, 0.0, reached), "toe": Parameter(0.0, 0.0, reached)}
+        starts = grid(clearance=[share * reached for share in (0.0, 0.05, 0.2)], toe=[0.05 * reached])
+        proposal = changed(model, joint, self.physics, "toe", soft, "clearance", starts)
+        return evolve(proposal, null=dict.fromkeys(proposal.parameters, 0.0))
 
 
 def _is_closed(joint: Joint) -> bool:

@@ -11,7 +11,7 @@ from crashkit_hypotheses.build import changed, grid, largest_deformation, larges
 
 
 class PlasticUnloading(Hypothesis):
-    """Where the model unloads along its loading curve, F = F_load(d_max) - k (d_max - d), or a share of F fades on the way back."""
+    """Instead of along its loading curve it unloads by F = F_load(d_max) - k (d_max - d), or loses a share on the way back."""
 
     physics: ClassVar[str] = "plastic_unloading"
     sentence: ClassVar[str] = "{place} unloads along a path of its own and keeps part of its energy"

@@ -20,7 +20,7 @@ class Tension(Hypothesis):
     sentence: ClassVar[str] = "{place} also pulls"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Its own line at every joint that is compressed or stretched in some run, a strap at every joint that is stretched."""
+        """Its own line at every joint that is compressed or stretched, a strap at every joint that is stretched."""
         proposals = []
         for joint in model.joints:
             stretch = largest_extension(motion, joint.name)

@@ -3,8 +3,8 @@
 import numpy as np
 from attrs import evolve, field, frozen
 
-from crashkit.errors import SimulationError
 from crashkit.protocols import Problem, Status
+from crashkit_identifiers.normal_equations import normal_equations
 
 FIRST_DAMPING = 1e-3
 LARGEST_DAMPING = 1e12
@@ -81,18 +81,11 @@ def promise(search: Search, move: np.ndarray) -> float:
 
 def _search_at(problem: Problem, point: np.ndarray, damping: float, path: tuple[tuple[float, np.ndarray], ...]) -> Search:
     """The cost and its derivatives at a point; where the model cannot be simulated, or blows up, the cost is infinite."""
-    cost, gradient, curvature = np.inf, np.zeros(len(point)), np.eye(len(point))
-    try:
-        # A trial far from the data may overflow: it is refused by its cost, which is no reason to warn.
-        with np.errstate(over="ignore", invalid="ignore"):
-            residual, jacobian = problem.residual_and_jacobian(point)
-            cost = 0.5 * float(residual @ residual)
-            gradient, curvature = jacobian.T @ residual, jacobian.T @ jacobian
-    except SimulationError:
-        pass
-    if not np.isfinite(cost) or not np.isfinite(curvature).all():
-        blank = np.zeros(len(point)), np.eye(len(point))
-        return Search(point, np.inf, *blank, damping, Status.FAILED, path)
+    there = normal_equations(problem, point)
+    if there is None:
+        return Search(point, np.inf, np.zeros(len(point)), np.eye(len(point)), damping, Status.FAILED, path)
+    residual, gradient, curvature = there
+    cost = 0.5 * float(residual @ residual)
     path = (*path, (cost, problem.parameters(point)))
     return Search(point, cost, gradient, curvature, damping, Status.RUNNING, path)
 

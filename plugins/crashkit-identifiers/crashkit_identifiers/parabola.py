@@ -5,10 +5,10 @@ from functools import cached_property
 import numpy as np
 from attrs import evolve, frozen
 
-from crashkit.errors import SimulationError
 from crashkit.misfit import Misfit
 from crashkit.protocols import Problem
 from crashkit_identifiers.cost import NOTHING, cost_at
+from crashkit_identifiers.normal_equations import normal_equations
 
 CONFIDENCE = 1.959963984540054
 """Standard deviations to either side of a 95 % interval."""
@@ -114,15 +114,11 @@ def parabola_at(problem: Problem, objective: Problem, point: np.ndarray) -> Para
         objective: whose residuals are meant: those of a prior may have joined them, outliers may have left.
         point: in search variables.
     """
-    try:
-        with np.errstate(over="ignore", invalid="ignore"):
-            residual, jacobian = objective.residual_and_jacobian(point)
-            cost = 0.5 * float(residual @ residual)
-            gradient, curvature = jacobian.T @ residual, jacobian.T @ jacobian
-    except SimulationError:
+    there = normal_equations(objective, point)
+    if there is None:
         return None
-    if not (np.isfinite(cost) and np.isfinite(curvature).all()):
-        return None
+    residual, gradient, curvature = there
+    cost = 0.5 * float(residual @ residual)
     count = problem.independent_samples if isinstance(problem, Misfit) else float(len(residual))
     lower, upper = problem.bounds()
     found = Parabola(point, cost, gradient, curvature, count, (point <= lower) | (point >= upper))

@@ -1,7 +1,7 @@
 """A member that buckles: elastic, plateau, densification."""
 
 from crashkit.protocols import ParameterSpec, SpringLaw
-from crashkit_spring_laws.shared import CLEARANCE, RATE_COEFFICIENT, TENSION, UNLOADING_STIFFNESS
+from crashkit_spring_laws.shared import CLEARANCE, RATE_COEFFICIENT, TENSION, TOE, UNLOADING_STIFFNESS
 
 
 class CrushPlateau(SpringLaw):
@@ -10,6 +10,8 @@ class CrushPlateau(SpringLaw):
     With x = d - clearance, F_load = alpha x up to delta; delta up to x = max(gamma, delta / alpha); then + beta (x - that).
     F_s = F_load(d_max) - k (d_max - d); without unloading stiffness k, F_s = F_load(d).
     F = F_s max(0, 1 + a ddot) where F_s pushes, and F = tension F_s max(0, 1 - a ddot) where it pulls.
+
+    A toe t makes x = (d - clearance)^2 / (2 t) up to d - clearance = t, and d - clearance - t / 2 from there on.
 
     With `tension` the elastic line goes on below x = 0 and the unloading line below F_s = 0, and so both pull: a member that
     was never crushed beyond its clearance pulls along the unloading line from its elastic force at d_max. The rate raises what
@@ -26,6 +28,7 @@ class CrushPlateau(SpringLaw):
         RATE_COEFFICIENT,
         CLEARANCE,
         TENSION,
+        TOE,
     )
 
     @staticmethod
@@ -41,11 +44,16 @@ class CrushPlateau(SpringLaw):
         rate_coefficient: float,
         clearance: float,
         tension: float,
+        toe: float,
     ) -> float:
         """The force, N, compression positive."""
         turn = d_max if unloading_stiffness > 0.0 else d
         added = 0.0
         x = turn - clearance
+        if x >= toe:
+            x = x - 0.5 * toe
+        elif x > 0.0:
+            x = 0.5 * x * x / toe
         densification = max(densification_deformation, crush_force / elastic_stiffness)
         if x >= densification:
             static = crush_force + densification_stiffness * (x - densification)

@@ -1,7 +1,7 @@
 """A force curve given by its corners."""
 
 from crashkit.protocols import ParameterSpec, SpringLaw
-from crashkit_spring_laws.shared import CLEARANCE, RATE_COEFFICIENT, TENSION, UNLOADING_STIFFNESS
+from crashkit_spring_laws.shared import CLEARANCE, RATE_COEFFICIENT, TENSION, TOE, UNLOADING_STIFFNESS
 
 RISE = 1e-4
 """m, over which a force given at deformation 0 is reached."""
@@ -14,6 +14,7 @@ class PiecewiseAffine(SpringLaw):
     F_s = F_load(d_max) - k (d_max - d); without unloading stiffness k, F_s = F_load(d).
     F = F_s max(0, 1 + a ddot) where F_s pushes, and F = tension F_s max(0, 1 - a ddot) where it pulls.
 
+    A toe t makes x = (d - clearance)^2 / (2 t) up to d - clearance = t, and d - clearance - t / 2 from there on.
     Where the first corner is at deformation 0, its force is reached within 0.1 mm, because a force must be continuous.
     With `tension` the first line goes on below x = 0, the unloading line goes on below F_s = 0, and so both pull.
     """
@@ -29,6 +30,7 @@ class PiecewiseAffine(SpringLaw):
         RATE_COEFFICIENT,
         CLEARANCE,
         TENSION,
+        TOE,
     )
 
     @staticmethod
@@ -43,11 +45,16 @@ class PiecewiseAffine(SpringLaw):
         rate_coefficient: float,
         clearance: float,
         tension: float,
+        toe: float,
     ) -> float:
         """The force, N, compression positive."""
         turn = d_max if unloading_stiffness > 0.0 else d
         added = 0.0
         x = turn - clearance
+        if x >= toe:
+            x = x - 0.5 * toe
+        elif x > 0.0:
+            x = 0.5 * x * x / toe
         if deformation[0] > 0.0:
             start, end, low, high = 0.0, deformation[0], 0.0, force[0]
         elif len(force) > 1:

@@ -14,6 +14,9 @@ RATE_COEFFICIENT = ParameterSpec(
     "rate_coefficient", "s m-1", "relative rise of the force with deformation rate (a)", lower=0.0, default=0.0, null=0.0
 )
 CLEARANCE = ParameterSpec("clearance", "m", "gap that closes before the joint pushes", lower=0.0, default=0.0, null=0.0)
+TOE = ParameterSpec(
+    "toe", "m", "way over which the joint engages softly, after the clearance", lower=0.0, default=0.0, null=0.0
+)
 TENSION = ParameterSpec(
     "tension",
     "1",

@@ -169,21 +169,23 @@ def test_the_rate_raises_what_resists_and_lowers_what_is_given_back(law, paramet
     unloading=st.just(0.0) | st.floats(1.1e6, 1e7),
     rate=st.floats(0.0, 0.2),
     clearance=st.floats(0.0, 0.2),
+    toe=st.just(0.0) | st.floats(1e-3, 0.1),
     tension=st.sampled_from([0.0, 0.5, 1.0]),
     reach=st.floats(0.05, 1.0),
     seed=st.integers(0, 1000),
 )
-def test_no_motion_gains_energy(law, unloading, rate, clearance, tension, reach, seed):
+def test_no_motion_gains_energy(law, unloading, rate, clearance, toe, tension, reach, seed):
     """Pushing and pulling, at any rate: what was taken in is never exceeded by what is given back."""
     shape = PLATEAU if law is CrushPlateau else CORNERS
     varied = {
         "unloading_stiffness": unloading,
         "rate_coefficient": rate,
         "clearance": 0.0 if tension else clearance,
+        "toe": toe,
         "tension": tension,
     }
     stored, taken = Probe(law, shape | varied, (reach, 20.0)).energy(seed)
-    assert stored >= -1e-4 * taken
+    assert stored >= -1e-4 * taken - 1e-12
 
 
 @pytest.mark.parametrize(
@@ -191,6 +193,13 @@ def test_no_motion_gains_energy(law, unloading, rate, clearance, tension, reach,
 )
 def test_piecewise_affine_loading(d, expected):
     assert value(PiecewiseAffine, d, **CORNERS) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("d", "equivalent"), [(0.05, 0.0), (0.12, 0.005), (0.14, 0.02), (0.35, 0.23)])
+@pytest.mark.parametrize(("law", "shape"), [(CrushPlateau, PLATEAU), (PiecewiseAffine, CORNERS)])
+def test_a_toe_engages_along_a_parabola(law, shape, d, equivalent):
+    soft = shape | {"clearance": 0.1, "toe": 0.04}
+    assert value(law, d, **soft) == pytest.approx(value(law, equivalent, **shape))
 
 
 def test_a_force_at_no_deformation_is_reached_within_a_tenth_of_a_millimetre():
