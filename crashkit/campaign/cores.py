@@ -41,7 +41,7 @@ def _shared(
 ) -> dict[int, Result]:
     context = multiprocessing.get_context("fork")
     taken = context.Value("i", 0)
-    ends = []
+    ends: list[Connection] = []
     for _ in range(copies):
         here, there = context.Pipe(duplex=False)
         with warnings.catch_warnings():

@@ -19,7 +19,7 @@ from crashkit.protocols import Hypothesis, Proposal
 Progress = Callable[[str, float], None]
 Entrant = tuple[Proposal, Search]
 
-STARTS = 1
+STARTS = 2
 """How many starts of each form of each claim are fitted from the given values; one is from the re-identified ones."""
 HEATS = ((300, 3), (40, 5), (10, 8), (4, 40))
 """How many of them enter each heat of fits, and how many steps each gets there. Those from the given values have heats of

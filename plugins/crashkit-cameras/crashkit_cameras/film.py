@@ -57,10 +57,10 @@ class Film(PlainObserver):
         if share.any():
             displacement, velocity = displacement + share * aside, velocity + share * rocking.rate()
             by_shape = rocking.derivatives()
-        errors = (displacement, np.ones_like(aside), -gain * velocity, gain * aside, *(gain * share * one for one in by_shape))
+        slopes = (displacement, np.ones_like(aside), -gain * velocity, gain * aside, *(gain * share * one for one in by_shape))
         predicted = {
             "position": xr.Variable(DIMS, seen.start + gain * displacement + bias, {"units": "m"}),
-            "position_error_sensitivity": xr.Variable((*DIMS, "error"), np.stack(errors, axis=-1)),
+            "position_error_sensitivity": xr.Variable((*DIMS, "error"), np.stack(slopes, axis=-1)),
         }
         if seen.slope is not None and seen.start_slope is not None and seen.start_velocity_slope is not None:
             slope = seen.slope - seen.start_slope
