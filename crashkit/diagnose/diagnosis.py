@@ -7,9 +7,10 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.diagnose.consistency import check_instruments
+from crashkit.diagnose.contest import Progress
 from crashkit.diagnose.finding import estimates, experiment, make_finding, stand_ins, with_experiment
 from crashkit.diagnose.fits import curves_of, fit_of, predict
-from crashkit.diagnose.name import FLOOR, Progress
+from crashkit.diagnose.name import FLOOR
 from crashkit.diagnose.reidentify import refine, reidentify
 from crashkit.diagnose.result import UNKNOWN, Alternative, Diagnosis, Finding, Fit, place_of
 from crashkit.diagnose.rounds import Discovery, Round, discover, needed, run_drops

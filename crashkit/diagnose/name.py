@@ -1,27 +1,22 @@
 """Name the physics: every hypothesis at every place is scored, the promising ones are fitted, the fitted ones are ranked."""
 
-from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from attrs import frozen
 
-from crashkit.campaign import spread
+from crashkit.diagnose.contest import GROWING, Entrant, Progress, Start, heats, identity, promising, scores, scouted
 from crashkit.diagnose.reidentify import scattered
 from crashkit.diagnose.result import UNKNOWN, place_of
-from crashkit.diagnose.score import Score, score
-from crashkit.diagnose.search import Search, advance_all, begin, begin_all
+from crashkit.diagnose.score import Score
+from crashkit.diagnose.search import Search
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Hypothesis, Proposal
 
-Progress = Callable[[str, float], None]
-Entrant = tuple[Proposal, Search]
-
 STARTS = 2
 """How many starts of each form of each claim are fitted from the given values; one is from the re-identified ones."""
-HEATS = ((300, 3), (40, 5), (10, 8), (4, 40))
+HEATS = ((40, 5), (10, 8), (4, 40))
 """How many of them enter each heat of fits, and how many steps each gets there. Those from the given values have heats of
 their own: they begin far above the others, and need more steps to show what they are worth."""
 CONCEALED = 1.3
@@ -36,10 +31,6 @@ GENUINE = 0.95
 more closely than a known law whose form is slightly off."""
 IMITATING = 0.85
 """The same while it leaves something unexplained."""
-GROWING = (1 / 3, 2 / 3, 1.0)
-"""Shares of the time recorded that are looked at one after the other where a search begins far from the recordings."""
-SCOUTING = 5
-"""Steps of a quick search in each."""
 POLISHED = 2
 """How many of the leading claims are then searched again."""
 SCATTERED = 6
@@ -93,11 +84,6 @@ class Limit:
     smallest: float
 
 
-def identity(proposal: Proposal) -> tuple[str, str]:
-    """What a proposal claims, whatever its form: the physics and the place."""
-    return proposal.physics, place_of(proposal.location)
-
-
 def propose_all(hypotheses: Mapping[str, type[Hypothesis]], base: Misfit) -> list[Proposal]:
     """Every hypothesis at every place of the model, in every form."""
     values = {name: parameter.value for name, parameter in base.model.free_parameters().items()}
@@ -118,25 +104,19 @@ def fit_rivals(
         progress: told what is being done and how far it is (0 to 1).
     """
     residual = base.residual(base.start())
-    reference = float(residual @ residual)
-    scores = _scores(workshop, base, proposals, reference, progress)
+    reference, deviance = float(residual @ residual), base.deviance(residual)
     normalised = float(np.sqrt(reference / base.independent_samples))
     strained = base.departure(base.start()) > STRAINED
-    at_noise = normalised < FLOOR and not strained
-    chosen = _promising(scores, 1, NOISE_PROMISE if at_noise else LEAST_PROMISE)
-    fitted = _heats(
-        _scouted(workshop, base, [(p, promise.values) for p, promise in chosen], (1.0,), HEATS[0][0]), HEATS, progress
-    )
+    scored = scores(workshop, base, proposals, reference, progress)
+    chosen = promising(scored, 1, NOISE_PROMISE if normalised < FLOOR and not strained else LEAST_PROMISE)
+    fitted = heats(scouted(workshop, base, chosen, (1.0,), HEATS[0][0]), HEATS, progress)
     if (strained or normalised > CONCEALED) and not any(_explains(search) for _, search in fitted):
-        rough = _promising(_scores(workshop, given.coarse, proposals, np.inf, progress), STARTS, LEAST_PROMISE)
-        fitted += _heats(
-            _scouted(workshop, given, [(p, promise.values) for p, promise in rough], GROWING, HEATS[0][0]), HEATS, progress
-        )
-    rivals = [_rival(proposal, search, base.deviance(residual)) for proposal, search in fitted]
-    ranked = sorted(rivals, key=lambda rival: -rival.evidence)
+        rough = promising(scores(workshop, given.coarse, proposals, np.inf, progress), STARTS, LEAST_PROMISE)
+        fitted += heats(scouted(workshop, given, rough, GROWING, HEATS[0][0]), HEATS, progress)
+    ranked = _ranked(fitted, deviance)
     if ranked and ranked[0].search.normalised > FLOOR:
-        ranked += _polished(workshop, given, ranked, proposals, base.deviance(residual), progress)
-    return sorted(ranked, key=lambda rival: -rival.evidence), _limits(scores)
+        ranked = _ranked([*fitted, *_polished(workshop, given, ranked, proposals, progress)], deviance)
+    return ranked, _limits(scored)
 
 
 def _explains(search: Search) -> bool:
@@ -183,28 +163,22 @@ def best_forms(ranked: Iterable[Rival]) -> list[Rival]:
 
 
 def _polished(
-    workshop: Workshop,
-    given: Misfit,
-    ranked: Sequence[Rival],
-    proposals: Sequence[Proposal],
-    reference: float,
-    progress: Progress,
-) -> list[Rival]:
+    workshop: Workshop, given: Misfit, ranked: Sequence[Rival], proposals: Sequence[Proposal], progress: Progress
+) -> list[Entrant]:
     """Every form of the leading claims, and of all claims where an unknown force leads to, searched from many starts.
 
     The winner has not reached the noise floor, and another form of its own or of its closest rivals may only have been caught
     in a local optimum.
     """
     forms = [p for p in proposals if p.physics != UNKNOWN and _leads(p, ranked)]
-    starts: list[tuple[Proposal, Mapping[str, float]]] = []
+    starts: list[Start] = []
     for proposal in forms:
         found = next((r.search for r in ranked if r.proposal is proposal), None)
         known = found.misfit.values(found.point) if found else {}
         new = {name: known[name] for name in proposal.parameters if name in known} or dict(proposal.starts[0])
         misfits = scattered(workshop.misfit(given, proposal.model).with_values(new), SCATTERED)
         starts += [(proposal, misfit.values(misfit.start())) for misfit in misfits]
-    entrants = _scouted(workshop, given, starts, GROWING, POLISHING[0][0])
-    return [_rival(proposal, search, reference) for proposal, search in _heats(entrants, POLISHING, progress)]
+    return heats(scouted(workshop, given, starts, GROWING, POLISHING[0][0]), POLISHING, progress)
 
 
 def _leads(proposal: Proposal, ranked: Sequence[Rival]) -> bool:
@@ -214,83 +188,13 @@ def _leads(proposal: Proposal, ranked: Sequence[Rival]) -> bool:
     return at_unknown or identity(proposal) in list(known)[:POLISHED]
 
 
+def _ranked(fitted: Iterable[Entrant], reference: float) -> list[Rival]:
+    """The most evident first."""
+    return sorted((_rival(proposal, search, reference) for proposal, search in fitted), key=lambda rival: -rival.evidence)
+
+
 def _rival(proposal: Proposal, search: Search, reference: float) -> Rival:
     drop = reference - search.deviance
     price = float(len(proposal.parameters) * np.log(search.misfit.independent_samples))
     credit = 1.0 if proposal.physics != UNKNOWN else GENUINE if search.normalised < FLOOR else IMITATING
     return Rival(proposal, search, drop, 0.5 * (credit * drop - price))
-
-
-def _scores(
-    workshop: Workshop, origin: Misfit, proposals: Sequence[Proposal], reference: float, progress: Progress
-) -> list[tuple[Proposal, Score]]:
-    """Of every proposal from each of its starts, the model's own parameters at their values in `origin`."""
-
-    def scored(proposal: Proposal) -> list[Score | None]:
-        misfit = workshop.misfit(origin, proposal.model)
-        return [score(proposal, dict(start), misfit, reference) for start in proposal.starts]
-
-    def told(done: int) -> None:
-        progress(f"scoring {proposals[done].physics} at {place_of(proposals[done].location)}", done / len(proposals))
-
-    found = zip(proposals, spread(scored, proposals, told), strict=True)
-    return [(proposal, one) for proposal, scores in found for one in scores if one is not None]
-
-
-def _promising(scores: Sequence[tuple[Proposal, Score]], most: int, least: float) -> list[tuple[Proposal, Score]]:
-    """The best starts of every form of every claim that promises a drop of `least`."""
-    promising = [(proposal, one) for proposal, one in scores if one.drop > least or not proposal.null]
-    return _first_of_each(sorted(promising, key=lambda one: -one[1].drop), most)
-
-
-def _scouted(
-    workshop: Workshop,
-    origin: Misfit,
-    starts: Sequence[tuple[Proposal, Mapping[str, float]]],
-    shares: Sequence[float],
-    most: int,
-) -> list[Entrant]:
-    """Searches from where quick ones at few instants end, of which the best go on.
-
-    In growing shares of the time a search seldom jumps over a threshold; instruments have none.
-    """
-    slices = [early for early in (origin.coarse.up_to(share) for share in shares) if early.groups]
-
-    def scouted(start: tuple[Proposal, Mapping[str, float]]) -> tuple[Mapping[str, float], float]:
-        proposal, values = start
-        for early in slices[-1:] if workshop.hypotheses[proposal.physics].sensor else slices:
-            misfit = workshop.misfit(early, proposal.model).with_values(values)
-            search = begin(workshop.identifier, misfit).advance(SCOUTING)
-            values = misfit.values(search.point)
-        return values, search.state.cost
-
-    found = zip(starts, spread(scouted, starts), strict=True)
-    ahead = sorted(((proposal, *end) for (proposal, _), end in found), key=lambda one: one[2])[:most]
-    misfits = [workshop.misfit(origin, proposal.model).with_values(values) for proposal, values, _ in ahead]
-    return list(zip((proposal for proposal, *_ in ahead), begin_all(workshop.identifier, misfits), strict=True))
-
-
-def _first_of_each(ranked: Sequence[tuple[Proposal, Score]], most: int) -> list[tuple[Proposal, Score]]:
-    """The best few of each claim in each form."""
-    seen: Counter[tuple[str, ...]] = Counter()
-    chosen = []
-    for one in ranked:
-        key = (*identity(one[0]), one[0].form)
-        seen[key] += 1
-        if seen[key] <= most:
-            chosen.append(one)
-    return chosen
-
-
-def _heats(entrants: Sequence[Entrant], heats: Sequence[tuple[int, int]], progress: Progress) -> list[Entrant]:
-    """Successive halving: a few steps for all, then many steps for the few that are ahead."""
-    for size, steps in heats:
-        ahead = sorted(entrants, key=lambda entrant: entrant[1].state.cost)[:size]
-        proposals = [proposal for proposal, _ in ahead]
-        told = partial(_told, progress, proposals)
-        entrants = list(zip(proposals, advance_all([search for _, search in ahead], steps, told), strict=True))
-    return list(entrants)
-
-
-def _told(progress: Progress, proposals: Sequence[Proposal], done: int) -> None:
-    progress(f"fitting {proposals[done].physics} at {place_of(proposals[done].location)}", done / len(proposals))

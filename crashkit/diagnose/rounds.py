@@ -5,7 +5,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from attrs import field, frozen
 
-from crashkit.diagnose.name import FLOOR, Limit, Progress, Rival, best_forms, fit_rivals, identity, probabilities, propose_all
+from crashkit.diagnose.contest import Progress, identity
+from crashkit.diagnose.name import FLOOR, Limit, Rival, best_forms, fit_rivals, probabilities, propose_all
 from crashkit.diagnose.result import UNKNOWN
 from crashkit.diagnose.search import Search, begin
 from crashkit.diagnose.workshop import Workshop

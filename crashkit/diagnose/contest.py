@@ -1,0 +1,105 @@
+"""From many claims to the few that fit: a score for all, a quick search for the promising, long ones for those ahead."""
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+
+from crashkit.campaign import spread
+from crashkit.diagnose.result import place_of
+from crashkit.diagnose.score import Score, score
+from crashkit.diagnose.search import Search, advance_all, begin, begin_all
+from crashkit.diagnose.workshop import Workshop
+from crashkit.misfit import Misfit
+from crashkit.protocols import Proposal
+
+Progress = Callable[[str, float], None]
+Start = tuple[Proposal, Mapping[str, float]]
+"""A proposal, and values by path to begin at."""
+Entrant = tuple[Proposal, Search]
+
+GROWING = (1 / 3, 2 / 3, 1.0)
+"""Shares of the time recorded that are looked at one after the other where a search begins far from the recordings."""
+SCOUTING = 5
+"""Steps of a quick search in each."""
+
+
+def identity(proposal: Proposal) -> tuple[str, str]:
+    """What a proposal claims, whatever its form: the physics and the place."""
+    return proposal.physics, place_of(proposal.location)
+
+
+def scores(
+    workshop: Workshop, origin: Misfit, proposals: Sequence[Proposal], reference: float, progress: Progress
+) -> list[tuple[Proposal, Score]]:
+    """Of every proposal from each of its starts, the model's own parameters at their values in `origin`."""
+
+    def scored(proposal: Proposal) -> list[Score | None]:
+        misfit = workshop.misfit(origin, proposal.model)
+        return [score(proposal, dict(start), misfit, reference) for start in proposal.starts]
+
+    def told(done: int) -> None:
+        progress(f"scoring {proposals[done].physics} at {place_of(proposals[done].location)}", done / len(proposals))
+
+    found = zip(proposals, spread(scored, proposals, told), strict=True)
+    return [(proposal, one) for proposal, each in found for one in each if one is not None]
+
+
+def promising(scored: Sequence[tuple[Proposal, Score]], most: int, least: float) -> list[Start]:
+    """The best starts of every form of every claim that promises a drop of `least`."""
+    hopeful = [(proposal, one) for proposal, one in scored if one.drop > least or not proposal.null]
+    best = _first_of_each(sorted(hopeful, key=lambda one: -one[1].drop), most)
+    return [(proposal, one.values) for proposal, one in best]
+
+
+def scouted(workshop: Workshop, origin: Misfit, starts: Sequence[Start], shares: Sequence[float], most: int) -> list[Entrant]:
+    """Searches from where quick ones at few instants end, of which the best go on.
+
+    Arguments:
+        shares: of the time recorded, looked at one after the other. Where they grow, a search seldom jumps over a threshold;
+            instruments have none.
+        most: how many go on.
+    """
+    slices = [early for early in (origin.coarse.up_to(share) for share in shares) if early.groups]
+
+    def ahead_of(start: Start) -> tuple[Mapping[str, float], float]:
+        proposal, values = start
+        for early in slices[-1:] if workshop.hypotheses[proposal.physics].sensor else slices:
+            misfit = workshop.misfit(early, proposal.model).with_values(values)
+            search = begin(workshop.identifier, misfit).advance(SCOUTING)
+            values = misfit.values(search.point)
+        return values, search.state.cost
+
+    found = zip(starts, spread(ahead_of, starts), strict=True)
+    ahead = sorted(((proposal, *end) for (proposal, _), end in found), key=lambda one: one[2])[:most]
+    misfits = [workshop.misfit(origin, proposal.model).with_values(values) for proposal, values, _ in ahead]
+    return list(zip((proposal for proposal, *_ in ahead), begin_all(workshop.identifier, misfits), strict=True))
+
+
+def _first_of_each(ranked: Sequence[tuple[Proposal, Score]], most: int) -> list[tuple[Proposal, Score]]:
+    """The best few of each claim in each form."""
+    seen: Counter[tuple[str, ...]] = Counter()
+    chosen = []
+    for one in ranked:
+        key = (*identity(one[0]), one[0].form)
+        seen[key] += 1
+        if seen[key] <= most:
+            chosen.append(one)
+    return chosen
+
+
+def heats(entrants: Sequence[Entrant], sizes: Sequence[tuple[int, int]], progress: Progress) -> list[Entrant]:
+    """Successive halving: a few steps for all, then many steps for the few that are ahead.
+
+    Arguments:
+        sizes: how many enter each heat, and how many steps each gets there.
+    """
+    for size, steps in sizes:
+        ahead = sorted(entrants, key=lambda entrant: entrant[1].state.cost)[:size]
+        proposals = [proposal for proposal, _ in ahead]
+        told = partial(_told, progress, proposals)
+        entrants = list(zip(proposals, advance_all([search for _, search in ahead], steps, told), strict=True))
+    return list(entrants)
+
+
+def _told(progress: Progress, proposals: Sequence[Proposal], done: int) -> None:
+    progress(f"fitting {proposals[done].physics} at {place_of(proposals[done].location)}", done / len(proposals))
