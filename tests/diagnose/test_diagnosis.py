@@ -12,7 +12,7 @@ from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_joint
 from crashkit.report.document import diagnosis_json
 
-RIVALS = ("bias", "clearance", "clock_offset", "gain_error", "viscous_damping")
+RIVALS = ("bias", "clearance", "clock_offset", "gain_error", "unknown", "viscous_damping")
 OFFSET = 6.0
 """m s-2."""
 
@@ -23,8 +23,8 @@ def diagnosed(workshop, model, recorded):
     few = evolve(workshop, hypotheses={name: workshop.hypotheses[name] for name in RIVALS})
     believed = model.with_values({path: 1.08 * p.value for path, p in model.free_parameters().items()})
 
-    def run(true=model, **changes):
-        runs = {name: recorded(true, speed, seed, **changes) for seed, (name, speed) in enumerate(SPEEDS.items(), 1)}
+    def run(true=model, speeds=SPEEDS, **changes):
+        runs = {name: recorded(true, speed, seed, **changes) for seed, (name, speed) in enumerate(speeds.items(), 1)}
         return diagnose(believed, {name: runs[name] for name in ("slow.nc", "fast.nc")}, {"faster.nc": runs["faster.nc"]}, few)
 
     return run
@@ -49,6 +49,19 @@ def damped(diagnosed, model):
     dashpot = {"damping": 800.0, "clearance": 0.0, "engagement": 1e-3}
     parameters = {name: Parameter(value, fixed=True) for name, value in dashpot.items()}
     return diagnosed(with_joint(model, Joint("dashpot", ("wall", "front"), "viscous", parameters)))
+
+
+@pytest.fixture(scope="module")
+def snapping(diagnosed, model):
+    """Something catches between 0.2 and 0.3 m, and lets go: no installed physics does."""
+    heights = tuple(1.5e4 if 10 <= number < 14 else 0.0 for number in range(24))
+    bump = {"heights": heights, "reach": 0.48, "unloading_length": 0.02, "engagement": 1e-3}
+    parameters = {name: _fixed(value) for name, value in bump.items()}
+    return diagnosed(with_joint(model, Joint("snap", ("wall", "front"), "smooth_table", parameters)))
+
+
+def _fixed(value):
+    return tuple(map(_fixed, value)) if isinstance(value, tuple) else Parameter(value, fixed=True)
 
 
 def test_where_nothing_is_concealed_nothing_is_found(nothing):
@@ -160,6 +173,24 @@ PLACES = [
     ({"instrument": "film"}, "instrument film"),
     ({"body": "car"}, "body car"),
 ]
+
+
+def test_a_force_that_nobody_knows_is_estimated_and_predicts(snapping):
+    assert snapping.verdict == "unexplained"
+    (finding,) = snapping.findings
+    assert (finding.physics, finding.form, dict(finding.location)) == ("unknown", "deformation", {"joint": "first"})
+    assert "strongest with" in finding.sentence
+    held_out = snapping.fits["holdout"]
+    assert held_out["before"].normalised_rmse > 2.0
+    assert held_out["after"].normalised_rmse < 1.3
+
+
+def test_a_number_that_nothing_shows_stays_where_it_was_given(diagnosed, model):
+    gentle = {"slow.nc": 0.2, "fast.nc": 0.25, "faster.nc": 0.3}
+    identified = diagnosed(speeds=gentle).identified.sel(parameter="joint.first.densification_stiffness")
+    given = 1.08 * model.parameters()["joint.first.densification_stiffness"].value
+    assert float(identified["value"]) == pytest.approx(given, rel=1e-6)
+    assert not bool(identified["identifiable"])
 
 
 @pytest.mark.parametrize(("location", "words"), PLACES)

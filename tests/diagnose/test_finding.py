@@ -18,10 +18,9 @@ def action(force, rate):
     return xr.Dataset({"modelled_force": ("time", force), "deformation_rate": ("time", rate)}, coords={"time": TIMES})
 
 
-def found(workshop, action, drops):
-    proposal = Proposal("viscous_damping", "linear", {"joint": "front"}, None, (), {})
-    rival = SimpleNamespace(proposal=proposal)
-    return make_finding(rival, workshop.hypotheses["viscous_damping"], {}, 0.9, [], action, drops, 0.2)
+def found(workshop, action, drops, physics="viscous_damping"):
+    rival = SimpleNamespace(proposal=Proposal(physics, "linear", {"joint": "front"}, None, (), {}))
+    return make_finding(rival, workshop.hypotheses[physics], {}, 0.9, [], action, drops, 0.2)
 
 
 @pytest.mark.parametrize(
@@ -53,6 +52,15 @@ def test_an_instrument_acts_all_the_time(workshop):
     finding = found(workshop, {}, {"a": 50.0})
     assert finding.time == (0.0, 0.2)
     assert finding.sentence == "joint front is damped: part of its force opposes the deformation rate and grows with it"
+
+
+def test_of_an_unknown_force_the_largest_is_told_and_where_it_acts(workshop):
+    weak, strong = np.zeros(100), np.zeros(100)
+    weak[40], strong[20] = 2e3, -1.25e4
+    runs = {"a": action(weak, np.full(100, 3.0)), "b": action(strong, np.full(100, 4.0))}
+    runs = {name: run.assign(deformation=("time", 5.0 * TIMES)) for name, run in runs.items()}
+    told = found(workshop, runs, {"a": 50.0, "b": 50.0}, "unknown").sentence
+    assert told.endswith("explains, strongest with -12.5 kN at a deformation of 100 mm and 4.0 m/s")
 
 
 def test_a_rival_that_differs_at_higher_speed_is_told_apart_there(misfit, model, recorded):

@@ -34,39 +34,39 @@ def crush(
 
 @given(d=deformations)
 def test_loading_is_the_sum_of_both_curves(d):
-    assert crush("crush_plateau + peak", d, d, P, PEAK) == pytest.approx(plateau(d) + peak(d), rel=1e-12, abs=1e-6)
+    assert crush("crush_plateau + peak", d, d, P, PEAK, 1.0) == pytest.approx(plateau(d) + peak(d), rel=1e-12, abs=1e-6)
 
 
 @given(d_max=deformations, share=st.floats(0.0, 1.0))
 def test_unloading_follows_the_first_laws_slope_from_the_sum(d_max, share):
     d = share * d_max
     expected = max(0.0, plateau(d_max) + peak(d_max) - SLOPE * (d_max - d))
-    assert crush("crush_plateau + peak", d, d_max, P, PEAK) == pytest.approx(expected, rel=1e-9, abs=1e-3)
+    assert crush("crush_plateau + peak", d, d_max, P, PEAK, 1.0) == pytest.approx(expected, rel=1e-9, abs=1e-3)
 
 
 @given(d=deformations, d_max=deformations)
 def test_without_a_slope_of_its_own_it_unloads_along_the_sum(d, d_max):
     d_max = max(d, d_max)
-    assert crush("crush_plateau + peak", d, d_max, P, PEAK, slope=0.0) == pytest.approx(
+    assert crush("crush_plateau + peak", d, d_max, P, PEAK, 1.0, slope=0.0) == pytest.approx(
         plateau(d) + peak(d), rel=1e-9, abs=1e-6
     )
 
 
 @given(d=deformations)
 def test_the_rate_factor_multiplies_the_sum(d):
-    assert crush("crush_plateau + peak", d, d, P, PEAK, rate=0.5) == pytest.approx(1.5 * (plateau(d) + peak(d)), abs=1e-6)
+    assert crush("crush_plateau + peak", d, d, P, PEAK, 1.0, rate=0.5) == pytest.approx(1.5 * (plateau(d) + peak(d)), abs=1e-6)
 
 
 @given(d=deformations, d_max=deformations)
 def test_what_is_added_vanishes_with_its_amplitude(d, d_max):
     d_max = max(d, d_max)
-    assert crush("crush_plateau + peak", d, d_max, 0.0, PEAK) == crush("crush_plateau", d, d_max)
+    assert crush("crush_plateau + peak", d, d_max, 0.0, PEAK, 1.0) == crush("crush_plateau", d, d_max)
 
 
 @given(d=deformations)
 def test_sums_can_be_added_to(d):
     name = "crush_plateau + peak + linear_stop"
-    total = crush(name, d, d, P, PEAK, 2e6, 0.4)
+    total = crush(name, d, d, P, PEAK, 1.0, 2e6, 0.4)
     assert total == pytest.approx(plateau(d) + peak(d) + 2e6 * max(0.0, d - 0.4), rel=1e-12, abs=1e-6)
 
 
@@ -197,7 +197,7 @@ def test_a_factor_multiplies_one_of_them():
 def test_signs_bind_in_their_order():
     law = BOOK["coulomb | crush_plateau + peak * rate_linear"]
     assert [part.name for part in law.parts] == ["coulomb", "crush_plateau", "peak", "rate_linear"]
-    force = law.force(0.01, 1.0, 0.01, 3e3, 0.05, ALPHA, DELTA, GAMMA, BETA, 0.0, 0.0, 0.0, 0.0, 0.0, P, PEAK, 0.5)
+    force = law.force(0.01, 1.0, 0.01, 3e3, 0.05, ALPHA, DELTA, GAMMA, BETA, 0.0, 0.0, 0.0, 0.0, 0.0, P, PEAK, 1.0, 0.5)
     assert force == pytest.approx(3e3 * math.tanh(20.0) + 1.5 * (plateau(0.01) + peak(0.01)))
 
 

@@ -3,11 +3,19 @@
 from collections.abc import Sequence
 from typing import ClassVar
 
+import numpy as np
 import xarray as xr
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import added, grid, largest_deformation, parallel
+
+BEFORE = 1.6
+"""Times the deformation at which the plateau begins: a peak beyond that is none before the plateau."""
+PROPORTIONAL = 0.9
+"""Of the largest force per deformation."""
+FIRST = 0.02
+"""Of the deformation reached: no plateau is taken to begin before."""
 
 
 class ViscousDamping(Hypothesis):
@@ -59,15 +67,25 @@ class PeakLoad(Hypothesis):
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """A peak at several deformations of every joint that is compressed."""
-        return [self._peak(model, joint, largest_deformation(motion, joint.name)) for joint in _used(model, motion)]
+        return [form for joint in _used(model, motion) for form in self._forms(model, joint, motion)]
 
-    def _peak(self, model: Model, joint: Joint, reached: float) -> Proposal:
+    def _forms(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
+        reached, plateau = largest_deformation(motion, joint.name), _plateau(motion, joint.name)
         peak = {
             "peak_force": Parameter(0.0, 0.0, 1e8),
             "peak_deformation": Parameter(0.1 * reached, 0.01 * reached, reached),
         }
+        narrow = {
+            "peak_force": Parameter(0.0, 0.0, 1e8),
+            "peak_deformation": Parameter(plateau, 0.01 * reached, BEFORE * plateau),
+            "peak_sharpness": Parameter(8.0, 1.0, 200.0),
+        }
         starts = grid(peak_deformation=(0.08 * reached, 0.2 * reached))
-        return added(model, joint, self.physics, "bump", "peak", peak, "peak_force", starts)
+        narrow_starts = grid(peak_deformation=(0.7 * plateau, plateau, 1.4 * plateau))
+        return [
+            added(model, joint, self.physics, "bump", "peak", peak, "peak_force", starts),
+            added(model, joint, self.physics, "narrow", "peak", narrow, "peak_force", narrow_starts),
+        ]
 
 
 class ProgressiveFolding(Hypothesis):
@@ -93,3 +111,14 @@ class ProgressiveFolding(Hypothesis):
 
 def _used(model: Model, motion: Sequence[xr.Dataset]) -> list[Joint]:
     return [joint for joint in model.joints if largest_deformation(motion, joint.name) > 0]
+
+
+def _plateau(motion: Sequence[xr.Dataset], joint: str) -> float:
+    """m, deformation at which a joint first carries plainly less than in proportion to its deformation."""
+    deepest = max(motion, key=lambda run: float(run["deformation"].sel(joint=joint).max()))
+    deformation, force = (deepest[name].sel(joint=joint).values for name in ("deformation", "force"))
+    reached = float(np.nanmax(deformation))
+    loading = (np.arange(len(force)) <= np.nanargmax(deformation)) & (deformation > FIRST * reached)
+    secant = force[loading] / deformation[loading]
+    yields = secant < PROPORTIONAL * np.maximum.accumulate(secant)
+    return float(deformation[loading][np.argmax(yields)]) if yields.any() else reached

@@ -12,8 +12,8 @@ from crashkit_hypotheses.accused import Accused, accused
 
 TURNS = (0.7, 2.0)
 """How often a body rocks in a run, to start from."""
-FEWEST, MOST = 0.1, 10.0
-"""The same, that is believed."""
+FEWEST, MOST = 0.5, 10.0
+"""The same, that is believed: less than half a turn is no more than an offset or a wrong gain."""
 ERRORS = ("rocking_share", "rocking_frequency", "rocking_damping")
 
 

@@ -64,6 +64,7 @@ EXAMPLES = [
     (TensionSpring, {"stiffness": 1e6}),
     (TensionSpring, {"stiffness": 1e6, "slack": 0.05}),
     (Peak, {"peak_force": 5e4, "peak_deformation": 0.1}),
+    (Peak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_sharpness": 8.0}),
     (Folding, {"amplitude": 2e4, "fold_length": 0.3, "onset": 0.2}),
     (SmoothTable, {"heights": [1e4, -2e4, 3e4], "reach": 0.6}),
     (RateTable, {"heights": [-1e4, 0.0, 2e4, 3e4], "reach": 10.0}),
@@ -221,6 +222,13 @@ def test_peak_comes_once():
     shape = {"peak_force": 5e4, "peak_deformation": 0.1}
     assert value(Peak, 0.1, **shape) == pytest.approx(5e4)
     assert value(Peak, 0.1, d_max=0.5, **shape) == 0.0
+
+
+def test_a_sharp_peak_is_narrow():
+    shape = {"peak_force": 5e4, "peak_deformation": 0.1, "peak_sharpness": 16.0}
+    forces = [value(Peak, d, **shape) for d in (0.0, 0.025, 0.1, 0.175)]
+    assert forces[::2] == pytest.approx([0.0, 5e4])
+    assert max(forces[1], forces[3]) < 0.06 * 5e4
 
 
 def test_folding_swings_about_nothing_and_lets_go():
