@@ -93,7 +93,7 @@ def propose_all(hypotheses: Mapping[str, type[Hypothesis]], base: Misfit) -> lis
 
 
 def fit_rivals(
-    workshop: Workshop, base: Misfit, given: Misfit, proposals: Sequence[Proposal], progress: Progress
+    workshop: Workshop, base: Misfit, given: Misfit, proposals: Sequence[Proposal], afresh: bool, progress: Progress
 ) -> tuple[list[Rival], list[Limit]]:
     """The fitted hypotheses, the most evident first, and of each claim the smallest effect that would have been seen.
 
@@ -101,6 +101,7 @@ def fit_rivals(
         base: the misfit of the model without them, at its best fit.
         given: the same at the values that the user gave.
         proposals: all of them built on that model.
+        afresh: whether they are also fitted from the given values, where the base may hide physics.
         progress: told what is being done and how far it is (0 to 1).
     """
     residual = base.residual(base.start())
@@ -110,7 +111,8 @@ def fit_rivals(
     scored = scores(workshop, base, proposals, reference, progress)
     chosen = promising(scored, 1, NOISE_PROMISE if normalised < FLOOR and not strained else LEAST_PROMISE)
     fitted = heats(scouted(workshop, base, chosen, (1.0,), HEATS[0][0]), HEATS, progress)
-    if (strained or normalised > CONCEALED) and not any(_explains(search) for _, search in fitted):
+    hides = afresh and (strained or normalised > CONCEALED)
+    if hides and not any(_explains(search) for _, search in fitted):
         rough = promising(scores(workshop, given.coarse, proposals, np.inf, progress), STARTS, LEAST_PROMISE)
         fitted += heats(scouted(workshop, given, rough, GROWING, HEATS[0][0]), HEATS, progress)
     ranked = _ranked(fitted, deviance)

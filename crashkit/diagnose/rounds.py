@@ -7,7 +7,7 @@ from attrs import field, frozen
 
 from crashkit.diagnose.contest import Progress, identity
 from crashkit.diagnose.name import FLOOR, Limit, Rival, best_forms, fit_rivals, probabilities, propose_all
-from crashkit.diagnose.result import UNKNOWN
+from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.search import Search, begin
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
@@ -78,7 +78,7 @@ def discover(workshop: Workshop, given: Misfit, base_search: Search, progress: P
     base_search, look = _first_look(workshop, given, base_search, progress)
     rounds: list[Round] = []
     search = base_search
-    while look.winner is not None:
+    while look.winner is not None and not _corrects(look.winner, rounds):
         rounds.append(look)
         search = look.winner.search
         if len(rounds) == MOST_FINDINGS or _is_estimated(rounds):
@@ -110,18 +110,27 @@ def _without(search: Search, winner: Rival) -> Search:
     return begin(search.identifier, search.misfit.with_values(own)).advance(STEPS)
 
 
+def _corrects(winner: Rival, rounds: Sequence[Round]) -> bool:
+    """A table at the place of a named finding says how far the form of that is off, not that there is more."""
+    places = [place_of(look.rivals[0].proposal.location) for look in rounds]
+    return winner.proposal.physics == UNKNOWN and place_of(winner.proposal.location) in places
+
+
 def _is_estimated(rounds: Sequence[Round]) -> bool:
     """Beside a force that is only estimated nothing more can be named: what is left is mostly how coarse the estimate is."""
     return bool(rounds) and rounds[-1].rivals[0].proposal.physics == UNKNOWN
 
 
 def _look(workshop: Workshop, given: Misfit, current: Misfit, found: Sequence[Rival], progress: Progress) -> Round:
-    """Every hypothesis that has not been found already, at the places of the given model, against what is left."""
+    """Every hypothesis that has not been found already, at the places of the given model, against what is left.
+
+    Once something has been found, the model's own numbers have no more reason to hide the rest.
+    """
     known = {rival.identity for rival in found}
     everything = propose_all(workshop.hypotheses, current)
     proposals = [p for p in everything if identity(p) not in known and _is_given(given.model, p.location)]
     equipped = workshop.equipped([p.model for p in proposals])
-    ranked, limits = fit_rivals(equipped, current, _as_given(current, given), proposals, progress)
+    ranked, limits = fit_rivals(equipped, current, _as_given(current, given), proposals, not found, progress)
     best = best_forms(ranked)
     chances, nothing = probabilities(best, len({identity(p) for p in proposals}))
     explained = sum(rival.drop for rival in found)
@@ -138,12 +147,13 @@ def _reconsider(
     """
     looks, search = list(rounds), rounds[-1].rivals[0].search
     for old in rounds:
-        others = [look.rivals[0] for look in looks if look is not old]
+        rest = [look for look in looks if look is not old]
+        others = [look.rivals[0] for look in rest]
         without = rebuild(workshop, base_search, others, search)
         if without is None or (search.normalised < FLOOR and without.deviance > search.deviance + NEEDED):
             continue
         look = _look(workshop, given, without.fitted(), others, progress)
-        if look.winner is None:
+        if look.winner is None or _corrects(look.winner, rest):
             looks.remove(old)
             search = without
         elif look.winner.search.deviance < search.deviance + TIE:

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from crashkit.diagnose.name import FLOOR
 from crashkit.diagnose.result import Estimate, Finding, Fit, place_of
 from crashkit.diagnose.rounds import Discovery
 from crashkit.protocols import Identification
@@ -49,7 +50,9 @@ def noted(discovery: Discovery, result: Identification, fits: Mapping[str, Mappi
     """What cannot be trusted."""
     notes = [f"identification {result.status.value}"] if result.status.name != "CONVERGED" else []
     notes += list(result.unseen)
-    unseen = fits["holdout"]
+    unseen, left = fits["holdout"], fits["calibration"]["after"].normalised_rmse
+    if discovery.rounds and left > FLOOR:
+        notes.append(f"what was found leaves {left:.2f} times the noise: the form of its law may be another, or there is more")
     if unseen and discovery.rounds and unseen["after"].normalised_rmse > unseen["before"].normalised_rmse:
         notes.append(
             "what was found predicts the held-out runs worse than the re-identified model did: do not trust it outside the "
