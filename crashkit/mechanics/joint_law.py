@@ -38,10 +38,13 @@ class JointLaw:
         self.paths = tuple(dict.fromkeys(path for paths in own for path in paths))
         places = [np.array([self.paths.index(path) for path in paths], dtype=int) for paths in own]
         self._parts = [(plain(function), place) for function, place in zip(functions, places, strict=True)]
+        specs = [spec for function in functions for spec in function.law.parameters]
+        self._omitted = {f"joint.{joint.name}.{spec.name}": spec.default for spec in specs if spec.default is not None}
 
     def numbers(self, values: Mapping[str, float]) -> list[list[float]]:
-        """The parameters of the law and of each factor, from values by path."""
-        return [[values[self.paths[i]] for i in place] for _, place in self._parts]
+        """The parameters of the law and of each factor, from values by path; what is omitted has the law's default."""
+        known = {**self._omitted, **values}
+        return [[known[self.paths[i]] for i in place] for _, place in self._parts]
 
     def modes(self, state: Sequence[float], numbers: Sequence[Sequence[float]]) -> Modes:
         """The branches that a state takes."""

@@ -259,7 +259,7 @@ def _joint(name: str, bodies: tuple[str, str], spring: Spring, stiffness: float)
     """A spring, `stiffness` in the paper's unit."""
     stiffness *= STIFFNESS
     values = (spring.alpha * stiffness, spring.delta * stiffness, spring.gamma, spring.beta * stiffness)
-    absent = ("unloading_stiffness", "rate_coefficient", "clearance", "tension")
+    absent = ("unloading_stiffness", "rate_coefficient", "clearance", "tension", "toe")
     free = {key: _free(value) for key, value in zip(LAW_PARAMETERS, values, strict=True)}
     return Joint(name, bodies, "crush_plateau", free | dict.fromkeys(absent, Parameter(0.0, fixed=True)))
 
