@@ -17,7 +17,7 @@ from crashkit.registry import load
 THRESHOLDS = (0.02, 0.05, 0.1, 0.2)
 """Shares of the largest force below which a term is dropped; the one whose simulation fits the fitted runs best is taken."""
 ONSET = 50.0
-"""The terms are reached over this part of the largest deformation, as a force must be continuous."""
+"""The terms are reached over the largest deformation divided by this, as a force must be continuous."""
 
 
 class Cubic(SpringLaw):
@@ -41,7 +41,7 @@ class Cubic(SpringLaw):
         cube = (
             coefficient[6] * x * x * x + coefficient[7] * x * x * y + coefficient[8] * x * y * y + coefficient[9] * y * y * y
         )
-        return min(1.0, 50.0 * x) * (low + square + cube)
+        return min(1.0, ONSET * x) * (low + square + cube)
 
 
 def sparse_regression(fitted: Misfit, unseen: Misfit) -> tuple[list[np.ndarray], str]:

@@ -6,10 +6,11 @@ import pytest
 from crashkit.diagnose.left_out import left_out_drop
 from crashkit.diagnose.name import Rival
 from crashkit.diagnose.reidentify import reidentify
-from crashkit.diagnose.rounds import Round, needed
+from crashkit.diagnose.rounds import Round, _corrects, needed
 from crashkit.diagnose.search import begin
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_joint
+from crashkit.protocols import Proposal
 
 
 @pytest.fixture
@@ -42,6 +43,17 @@ def test_a_finding_that_the_fit_can_spare_is_dropped(workshop, offered):
 def test_a_finding_that_the_fit_needs_is_kept(workshop, offered):
     look, base, final = offered(800.0)
     assert needed(workshop, (look,), base, final) == ((look,), base, final)
+
+
+def test_a_table_corrects_a_law_that_was_named_at_its_place():
+    def rival(physics, joint):
+        return Rival(Proposal(physics, "", {"joint": joint}, None, (), {}), None, 100.0, 50.0)
+
+    named = [Round((rival("peak_load", "front"),), (1.0,), 0.0, None)]
+    assert _corrects(rival("unknown", "front"), named)
+    assert not _corrects(rival("unknown", "rear"), named)
+    assert not _corrects(rival("fracture", "front"), named)
+    assert not _corrects(rival("unknown", "front"), [])
 
 
 def test_physics_that_is_there_predicts_runs_that_were_left_out(offered):

@@ -112,8 +112,15 @@ def fading(model):
     return with_factor(model, "first", "fading", fixed(fading_share=0.4, relaxation_time=0.03))
 
 
-def pulling(model):
-    return model.with_parameters(fixed(**{"joint.second.tension": 1.0}))
+def engaging_softly(model):
+    return model.with_parameters(fixed(**{"joint.first.clearance": 0.03, "joint.first.toe": 0.06}))
+
+
+def buckling(model):
+    first = model.joints[0]
+    peak = fixed(peak_force=2e4, peak_deformation=0.1, peak_sharpness=20.0)
+    pointed = evolve(first, law="crush_plateau + peak", parameters={**first.parameters, **peak})
+    return evolve(model, joints=(pointed, *model.joints[1:]))
 
 
 def rubbing(model):
@@ -180,7 +187,11 @@ CASES = {
     ),
     relaxing: (("relaxation", "maxwell", {"joint": "second"}), {"relaxing_stiffness": 1e5, "relaxation_time": 0.02}),
     fading: (("relaxation", "fading", {"joint": "first"}), {"fading_share": 0.4, "relaxation_time": 0.03}),
-    pulling: (("tension", "own line", {"joint": "second"}), {"tension": 1.0}),
+    engaging_softly: (("clearance", "toe", {"joint": "first"}), {"clearance": 0.03, "toe": 0.06}),
+    buckling: (
+        ("peak_load", "narrow", {"joint": "first"}),
+        {"peak_force": 2e4, "peak_deformation": 0.1, "peak_sharpness": 20.0},
+    ),
     rubbing: (("joint_friction", "sharp", {"joint": "first"}), {"friction_force": 4e3}),
     touching: (
         ("missing_contact", "parabola", {"bodies": ["wall", "rear"]}),
