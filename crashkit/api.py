@@ -17,6 +17,7 @@ from crashkit.diagnose.result import run_name
 from crashkit.errors import CrashkitError
 from crashkit.mechanics import simulate
 from crashkit.misfit import Misfit
+from crashkit.misfit.bands import predicted_curves
 from crashkit.misfit.cross_check import cross_check
 from crashkit.model import Model
 from crashkit.model.checks import check_recording_against_model
@@ -89,30 +90,41 @@ def identify_files(
     runs: Sequence[Path],
     method: str,
     progress: Show,
+    predicted: Sequence[Path] = (),
     output: Path | None = None,
     document: Path | None = None,
+    curves: Path | None = None,
 ) -> str:
     """Identify a model's free parameters on recordings: what was found, for people.
 
     Arguments:
         method: an installed identifier.
         progress: told what is being done.
+        predicted: recordings that are predicted, not fitted.
         output: file for the identified model, if it is wanted.
         document: file for all that the result says, likewise.
+        curves: file for the predicted curves with their bands, of all recordings, likewise.
     """
     registry = load()
-    given, recordings = load_model(model), load_recordings(runs)
-    for name, recording in recordings.items():
+    given, everything = load_model(model), load_recordings([*runs, *predicted])
+    for name, recording in everything.items():
         check_recording_against_model(recording, given, name)
     if not given.free_parameters():
         raise CrashkitError(f"{model}: expected a free parameter, found that all are fixed")
+    recordings = dict(list(everything.items())[: len(runs)])
     misfit = Misfit(given, recordings, registry.spring_laws, registry.observers)
     result = _identified(registry.identifier(method)(), misfit, progress)
     if output:
         write_model(given.with_values(result.values), output, registry.spring_laws)
     if document:
         write_identification(result, method, tuple(recordings), document)
-    return as_text(result)
+    if not curves and not predicted:
+        return as_text(result)
+    shown = Misfit(given, everything, registry.spring_laws, registry.observers, misfit.simulator.engine)
+    bands = predicted_curves(misfit, shown, result)
+    if curves:
+        write_tree(bands, curves)
+    return as_text(result, bands)
 
 
 def _identified(identifier: Identifier[Any], misfit: Misfit, progress: Show) -> Identification:

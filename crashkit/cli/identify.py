@@ -13,8 +13,10 @@ def register(commands: Any) -> None:
     parser.add_argument("model", metavar="MODEL", type=Path, help="model file (TOML)")
     parser.add_argument("runs", metavar="RUN", type=Path, nargs="+", help="recordings to fit (netCDF)")
     parser.add_argument("--method", metavar="NAME", default="multi_start", help="an installed identifier (%(default)s)")
+    parser.add_argument("--predict", metavar="RUN", type=Path, nargs="+", default=[], help="recordings to predict, not to fit")
     parser.add_argument("--output", metavar="MODEL.toml", type=Path, help="file for the identified model")
     parser.add_argument("--json", metavar="FILE", type=Path, help="file for all that the result says, with its path")
+    parser.add_argument("--curves", metavar="FILE.nc", type=Path, help="file for the predicted curves with their 95 %% bands")
     parser.set_defaults(run=run)
 
 
@@ -22,8 +24,14 @@ def run(arguments: Namespace) -> None:
     """Identify, print what was found, write what is asked for."""
     from crashkit import api
 
-    print(
-        api.identify_files(
-            arguments.model, arguments.runs, arguments.method, progress.show, output=arguments.output, document=arguments.json
-        )
+    told = api.identify_files(
+        arguments.model,
+        arguments.runs,
+        arguments.method,
+        progress.show,
+        predicted=arguments.predict,
+        output=arguments.output,
+        document=arguments.json,
+        curves=arguments.curves,
     )
+    print(told)

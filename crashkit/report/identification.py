@@ -5,6 +5,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import xarray as xr
+
 from crashkit.protocols import Identification
 from crashkit.report.document import plain
 from crashkit.report.files import write_text
@@ -20,8 +23,12 @@ def write_identification(result: Identification, method: str, runs: Sequence[str
     return write_text(path, json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
 
 
-def as_text(result: Identification) -> str:
-    """What a result says, for people: its status, a table of the parameters, what is not seen, remarks."""
+def as_text(result: Identification, curves: xr.DataTree | None = None) -> str:
+    """What a result says, for people: its status, a table of the parameters, what is not seen, remarks.
+
+    Arguments:
+        curves: predicted ones with their bands; of the runs that were not fitted, it is told how well they are met.
+    """
     parameters = as_plain(result)["parameters"]
     residuals = f"the residuals are {result.parameters.attrs['normalised_residual']:.3g} times the noise"
     blocks = [f"{result.status.value}\n{residuals}", _table([_row(parameter) for parameter in parameters])]
@@ -29,6 +36,9 @@ def as_text(result: Identification) -> str:
         blocks.append("\n".join(["not known from these recordings:", *(f"  {sentence}" for sentence in result.unseen)]))
     if result.parameters.attrs["remarks"]:
         blocks.append(result.parameters.attrs["remarks"])
+    predicted = [node for node in curves.leaves if not node.attrs["fitted"]] if curves else []
+    if predicted:
+        blocks.append("\n".join(["predicted, not fitted:", *map(_predicted, predicted)]))
     return "\n\n".join(blocks)
 
 
@@ -59,6 +69,14 @@ def _row(parameter: Mapping[str, Any]) -> tuple[str, ...]:
     if parameter["at_bound"]:
         note = "at its lower bound" if value == parameter["lower"] else "at its upper bound"
     return parameter["parameter"], f"{value:.6g}", parameter["units"] or NOTHING, _number(std, 2), _interval(parameter), note
+
+
+def _predicted(node: xr.DataTree) -> str:
+    """How far the readings of an instrument are from what was predicted, and how far the band is."""
+    residual = float(np.sqrt((((node["recorded"] - node["predicted"]) / node["noise"]) ** 2).mean()))
+    half = float(np.sqrt((((node["upper"] - node["lower"]) / 2.0) ** 2).mean()))
+    told = f"residuals {residual:.3g} times the noise, the parameters leave ±{half:.2g} {node.attrs['units']} open"
+    return f"  {node.path.lstrip('/')}: {told}"
 
 
 def _interval(parameter: Mapping[str, Any]) -> str:

@@ -149,3 +149,24 @@ def test_what_is_not_finite_is_null_in_json():
         "identifiable": True,
         "units": "m",
     }
+
+
+def test_it_predicts_a_test_that_is_not_fitted_and_writes_the_bands(folder, tmp_path, capsys):
+    """A faster test: most of its readings lie in the band and its noise."""
+    motion = Simulator(toys.one_degree(), load().spring_laws).run(
+        np.linspace(0.0, 0.3, 301), initial=toys.initial_state(toys.one_degree(), 1.2), step=5e-4
+    )
+    write_recording(toys.noisy(toys.recording(motion), 0.01, np.random.default_rng(1)), tmp_path / "faster.nc")
+    file = tmp_path / "curves.nc"
+    assert main(command(folder, "--predict", tmp_path / "faster.nc", "--curves", file)) == 0
+    told = capsys.readouterr().out
+    assert re.search(r"predicted, not fitted:\n  faster\.nc/film: residuals \S+ times the noise, the parameters leave", told)
+    assert re.search(
+        r"\n  faster\.nc/accelerometer: residuals \S+ times the noise, the parameters leave ±\S+ m s-2 open", told
+    )
+    curves = xr.open_datatree(file).load()
+    assert curves["run.nc/film"].attrs["fitted"] == 1 and curves["faster.nc/film"].attrs["fitted"] == 0
+    film = curves["faster.nc/film"]
+    reach = 1.96 * film["noise"]
+    inside = (film["recorded"] > film["lower"] - reach) & (film["recorded"] < film["upper"] + reach)
+    assert 0.9 < float(inside.mean()) < 1.0
