@@ -21,8 +21,8 @@ OPEN_END = 10.0
 def predicted_curves(fitted: Misfit, shown: Misfit, result: Identification) -> xr.DataTree:
     """What the identified model predicts for every instrument of `shown`, with 95 % bands.
 
-    y ± 1.96 sqrt(diag(S C Sᵀ)), where S are the derivatives of the predictions y to the parameters and C is their covariance. A
-    parameter that the fitted recordings do not identify widens the band to what is predicted at the ends of its interval: a
+    y ± 1.96 sqrt(diag(S C Sᵀ)), where S are the derivatives of the predictions y to the parameters and C is their covariance.
+    A parameter that the fitted recordings do not identify widens the band to what is predicted at the ends of its interval: a
     threshold that they never reached may lie within the reach of a faster test. The noise of the instruments is not in it.
 
     Arguments:
@@ -49,6 +49,7 @@ def _curve(
     group: Group, prediction: Prediction, covariance: np.ndarray, elsewhere: list[np.ndarray], is_fitted: bool
 ) -> xr.Dataset:
     slopes = prediction.sensitivity
+    assert slopes is not None  # asked for by the only caller
     half = CONFIDENCE * np.sqrt(np.maximum(np.einsum("tci,ij,tcj->tc", slopes, covariance, slopes), 0.0))
     lower = np.fmin.reduce([prediction.samples - half, *elsewhere])
     upper = np.fmax.reduce([prediction.samples + half, *elsewhere])

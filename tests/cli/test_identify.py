@@ -10,6 +10,7 @@ from attrs import evolve
 
 from crashkit.api import load_model
 from crashkit.cli import main
+from crashkit.data.netcdf import read_tree
 from crashkit.data.recording import write_recording
 from crashkit.mechanics import Simulator
 from crashkit.model.toml import write_model
@@ -63,7 +64,7 @@ def test_a_method_that_is_not_there(folder, capsys):
 
 def test_a_method_that_cannot_take_the_recordings_says_why(folder, tmp_path, capsys):
     """Nothing saw the front: it has no measured motion."""
-    tree = xr.open_datatree(folder / "run.nc").load()
+    tree = read_tree(folder / "run.nc")
     for name, variable in (("film", "marker_body"), ("accelerometer", "sensor_body")):
         group = tree[name].to_dataset(inherit=False)
         tree[name] = xr.DataTree(group.assign({variable: group[variable].copy(data=["wall"])}))
@@ -164,7 +165,7 @@ def test_it_predicts_a_test_that_is_not_fitted_and_writes_the_bands(folder, tmp_
     assert re.search(
         r"\n  faster\.nc/accelerometer: residuals \S+ times the noise, the parameters leave ±\S+ m s-2 open", told
     )
-    curves = xr.open_datatree(file).load()
+    curves = read_tree(file)
     assert curves["run.nc/film"].attrs["fitted"] == 1 and curves["faster.nc/film"].attrs["fitted"] == 0
     film = curves["faster.nc/film"]
     reach = 1.96 * film["noise"]

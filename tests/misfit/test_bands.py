@@ -49,8 +49,5 @@ def test_a_threshold_that_was_never_reached_opens_the_band_of_a_faster_test(misf
 def test_curves_know_their_unit_and_their_axis(misfit, model, recorded, identified):
     fitted, result = identified(misfit(model, run=toys.noisy(recorded(model), 0.01, np.random.default_rng(0))))
     film = predicted_curves(fitted, fitted, result)["run/film"]
-    assert (film.attrs["quantity"], film.attrs["units"], film["axis"].values.tolist()) == (
-        "position",
-        "m",
-        ["x"] * film.sizes["channel"],
-    )
+    assert (film.attrs["quantity"], film.attrs["units"]) == ("position", "m")
+    assert film["axis"].values.tolist() == ["x"] * film.sizes["channel"]
