@@ -3,10 +3,11 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from attrs import field, frozen
+from attrs import evolve, field, frozen
 
 from crashkit.diagnose.contest import Progress, identity
 from crashkit.diagnose.name import FLOOR, Limit, Rival, best_forms, fit_rivals, probabilities, propose_all
+from crashkit.diagnose.reidentify import reidentify
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.search import Search, begin
 from crashkit.diagnose.workshop import Workshop
@@ -79,8 +80,9 @@ def discover(workshop: Workshop, given: Misfit, base_search: Search, progress: P
     rounds: list[Round] = []
     search = base_search
     while look.winner is not None and not _corrects(look.winner, rounds):
+        look = _settled(workshop, given, look, look.winner, progress)
         rounds.append(look)
-        search = look.winner.search
+        search = look.rivals[0].search
         if len(rounds) == MOST_FINDINGS or _is_estimated(rounds):
             break
         look = _look(workshop, given, search.fitted(), [r.rivals[0] for r in rounds], progress)
@@ -108,6 +110,22 @@ def _without(search: Search, winner: Rival) -> Search:
     found = winner.search.misfit.values(winner.search.point)
     own = {name: found[name] for name in search.misfit.names if name in found}
     return begin(search.identifier, search.misfit.with_values(own)).advance(STEPS)
+
+
+def _settled(workshop: Workshop, given: Misfit, look: Round, winner: Rival, progress: Progress) -> Round:
+    """The round with its winner re-identified from the values that the user gave, where something is left.
+
+    The winner began where the model without it had been driven, and may have stayed in that valley.
+    """
+    if winner.search.normalised < FLOOR or winner.proposal.physics == UNKNOWN:
+        return look
+    progress(f"re-identifying with {winner.proposal.physics}", 0.0)
+    again = reidentify(workshop.identifier, workshop.finder, _as_given(winner.search.fitted(), given))
+    gained = winner.search.deviance - again.deviance
+    if not gained > 0.0:
+        return look
+    better = evolve(winner, search=again, drop=winner.drop + gained, evidence=winner.evidence + 0.5 * gained)
+    return evolve(look, rivals=(better, *look.rivals[1:]))
 
 
 def _corrects(winner: Rival, rounds: Sequence[Round]) -> bool:
@@ -202,8 +220,9 @@ def _as_given(current: Misfit, given: Misfit) -> Misfit:
 
 def _is_given(model: Model, location: Mapping[str, object]) -> bool:
     """What a finding has added is not itself a place for further physics."""
-    names = {"joint": [joint.name for joint in model.joints], "body": [body.name for body in model.bodies]}
-    return all(location[kind] in known for kind, known in names.items() if kind in location)
+    bodies, joints = {body.name for body in model.bodies}, {joint.name for joint in model.joints}
+    named = {"joint": joints, "body": bodies, "bodies": bodies}
+    return all(set(np.atleast_1d(location[kind])) <= known for kind, known in named.items() if kind in location)
 
 
 def _same(first: Proposal, second: Proposal) -> bool:

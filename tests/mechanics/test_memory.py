@@ -222,3 +222,34 @@ def test_a_memory_in_the_plane(simulator):
     np.testing.assert_allclose(motion["position"].sel(body="mass").values[0, :2], expected, atol=1e-10)
     found = motion["position_sensitivity"].sel(body="mass").values[0, :2]
     np.testing.assert_allclose(found, np.array(slopes).T, atol=1e-8)
+
+
+# ---- bristles ----
+
+BRISTLES = {"friction_force": 0.3, "bristle_length": 0.2}
+
+
+def test_bristles_take_the_work_that_they_should(against_wall, simulator):
+    """On the way in, m (v0^2 - v^2) / 2 is the integral of F (1 - exp(-x / l)); a body that is too slow turns round."""
+    model = against_wall("dahl", BRISTLES, mass=MASS, speed=SPEED)
+    motion = simulator(model).run(TIMES, step=STEP)
+    deformation, rate = (motion[name].values[:, 0] for name in ("deformation", "deformation_rate"))
+    assert rate.min() > 0.0
+    force, length = BRISTLES.values()
+    work = force * (deformation - length * (1.0 - np.exp(-deformation / length)))
+    np.testing.assert_allclose(0.5 * MASS * (SPEED**2 - rate**2), work, atol=1e-8)
+
+
+def test_bristles_bend_back_before_they_slip_the_other_way(against_wall, simulator):
+    """A spring sends the body back: from where it turned, z goes from z0 to (1 + z0) exp(-x / l) - 1."""
+    springs = against_wall("dahl", BRISTLES, mass=MASS, speed=SPEED)
+    stop = {"stiffness": Parameter(4.0), "stop_deformation": Parameter(0.0)}
+    back = Joint("back", springs.joints[0].bodies, "linear_stop", stop)
+    model = evolve(springs, joints=(*springs.joints, back))
+    motion = simulator(model).run(np.linspace(0.0, 1.6, 1601), step=STEP)
+    deformation, bristle = (motion[name].sel(joint="spring").values for name in ("deformation", "force"))
+    turn = int(np.argmax(deformation))
+    z, way = bristle / BRISTLES["friction_force"], deformation[turn] - deformation
+    expected = (1.0 + z[turn]) * np.exp(-way / BRISTLES["bristle_length"]) - 1.0
+    assert way[-1] > 0.3
+    np.testing.assert_allclose(z[turn:], expected[turn:], atol=1e-4)

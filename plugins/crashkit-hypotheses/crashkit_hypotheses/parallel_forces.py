@@ -8,7 +8,7 @@ import xarray as xr
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import added, grid, largest_deformation, parallel
+from crashkit_hypotheses.build import added, grid, largest_deformation, largest_extension, parallel
 
 BEFORE = 1.6
 """Times the deformation at which the plateau begins: a peak beyond that is none before the plateau."""
@@ -16,6 +16,14 @@ PROPORTIONAL = 0.9
 """Of the largest force per deformation."""
 FIRST = 0.02
 """Of the deformation reached: no plateau is taken to begin before."""
+BRISTLE = 0.05
+"""Of the deformation reached: length of a bristle to start from."""
+LATEST = 0.3
+"""Of the deformation reached: folds are looked for from there at the latest."""
+FOLDS = (1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 8.0, 10.0, 12.5)
+"""How many folds to start from: a search only finds the number that is nearest."""
+PHASES = (-1 / 3, 0.0, 1 / 3)
+"""Where in a fold the first begins, likewise."""
 
 
 class ViscousDamping(Hypothesis):
@@ -41,21 +49,37 @@ class ViscousDamping(Hypothesis):
 
 
 class JointFriction(Hypothesis):
-    """F = F_law + f sign(ddot), smoothed at low rates."""
+    """F = F_law + f sign(ddot), smoothed at low rates or over the length of a bristle, at all times or while compressed."""
 
     physics: ClassVar[str] = "joint_friction"
     sentence: ClassVar[str] = "a dry friction force opposes the deformation of {place}"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Every joint that is compressed: friction that is full at a tenth of a metre per second, or at another rate."""
-        force = Parameter(0.0, 0.0, 1e7)
-        rates = {"sharp": Parameter(0.05, fixed=True), "smooth": Parameter(0.4, 0.01, 3.0)}
+        """Every joint that is compressed; where it also parts, friction that acts while it is closed is another form."""
+        return [form for joint in _used(model, motion) for form in self._forms(model, joint, motion)]
+
+    def _forms(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
+        reached = largest_deformation(motion, joint.name)
+        force = {"friction_force": Parameter(0.0, 0.0, 1e7)}
+        length = Parameter(BRISTLE * reached, 1e-3 * BRISTLE * reached, reached)
+        laws = {
+            "sharp": ("coulomb", {**force, "slip_rate": Parameter(0.05, fixed=True)}),
+            "smooth": ("coulomb", {**force, "slip_rate": Parameter(0.4, 0.01, 3.0)}),
+            "bristles": ("dahl", {**force, "bristle_length": length}),
+        }
+        times = {"": 1.0, ", while compressed": 0.0} if largest_extension(motion, joint.name) > 0.0 else {"": 1.0}
         return [
             parallel(
-                model, joint, self.physics, form, "coulomb", {"friction_force": force, "slip_rate": rate}, "friction_force"
+                model,
+                joint,
+                self.physics,
+                f"{form}{when}",
+                law,
+                {**parameters, "always": Parameter(always, fixed=True)},
+                "friction_force",
             )
-            for joint in _used(model, motion)
-            for form, rate in rates.items()
+            for form, (law, parameters) in laws.items()
+            for when, always in times.items()
         ]
 
 
@@ -96,16 +120,18 @@ class ProgressiveFolding(Hypothesis):
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Folds of several lengths at every joint that is compressed."""
-        return [self._folds(model, joint, largest_deformation(motion, joint.name)) for joint in _used(model, motion)]
+        return [self._folds(model, joint, motion) for joint in _used(model, motion)]
 
-    def _folds(self, model: Model, joint: Joint, reached: float) -> Proposal:
+    def _folds(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> Proposal:
+        reached, plateau = largest_deformation(motion, joint.name), _plateau(motion, joint.name)
         folds = {
             "amplitude": Parameter(0.0, 0.0, 1e7),
             "fold_length": Parameter(0.2 * reached, 0.02 * reached, 0.8 * reached),
             "onset": Parameter(0.0, 0.0, 0.8 * reached),
         }
-        lengths, onsets = (0.08, 0.12, 0.18, 0.27, 0.4), (0.0, 0.15, 0.4)
-        starts = grid(fold_length=[share * reached for share in lengths], onset=[share * reached for share in onsets])
+        begin = min(plateau, LATEST * reached)
+        lengths = [(reached - begin) / number for number in FOLDS]
+        starts = [{"fold_length": one, "onset": max(0.0, begin + phase * one)} for one in lengths for phase in PHASES]
         return added(model, joint, self.physics, "sine", "folding", folds, "amplitude", starts)
 
 

@@ -127,6 +127,19 @@ def rubbing(model):
     return with_joint(model, Joint("rub", ("wall", "front"), "coulomb", fixed(friction_force=4e3, slip_rate=0.05)))
 
 
+def bristling(model):
+    bristles = fixed(friction_force=5e3, bristle_length=0.04, always=0.0)
+    return with_joint(model, Joint("rub", ("wall", "front"), "dahl", bristles))
+
+
+def folding(model):
+    """Some five folds from the elastic limit on."""
+    first = model.joints[0]
+    folds = fixed(amplitude=8e3, fold_length=0.1, onset=0.2)
+    folded = evolve(first, law="crush_plateau + folding", parameters={**first.parameters, **folds})
+    return evolve(model, joints=(folded, *model.joints[1:]))
+
+
 def touching(model):
     return with_joint(model, Joint("touch", ("wall", "rear"), "quadratic_stop", fixed(coefficient=6e4, stop_deformation=0.9)))
 
@@ -193,6 +206,14 @@ CASES = {
         {"peak_force": 2e4, "peak_deformation": 0.1, "peak_sharpness": 20.0},
     ),
     rubbing: (("joint_friction", "sharp", {"joint": "first"}), {"friction_force": 4e3}),
+    bristling: (
+        ("joint_friction", "bristles, while compressed", {"joint": "first"}),
+        {"friction_force": 5e3, "bristle_length": 0.04},
+    ),
+    folding: (
+        ("progressive_folding", "sine", {"joint": "first"}),
+        {"amplitude": 8e3, "fold_length": 0.1, "onset": 0.2},
+    ),
     touching: (
         ("missing_contact", "parabola", {"bodies": ["wall", "rear"]}),
         {"coefficient": 6e4, "stop_deformation": 0.9},

@@ -2,8 +2,9 @@
 
 from crashkit_spring_laws.buckling import Folding, Peak
 from crashkit_spring_laws.crush_plateau import CrushPlateau
-from crashkit_spring_laws.dampers import Coulomb, Viscous, ViscousPower
+from crashkit_spring_laws.dampers import Viscous, ViscousPower
 from crashkit_spring_laws.fracture import Brittle, Fracture, Tear
+from crashkit_spring_laws.friction import Coulomb, Dahl
 from crashkit_spring_laws.gradual_loss import Fading, Softening, UnloadingLoss
 from crashkit_spring_laws.hysteresis import BoucWen
 from crashkit_spring_laws.measured_curve import MeasuredCurve
@@ -26,6 +27,7 @@ SPRING_LAWS = (
     Viscous,
     ViscousPower,
     Coulomb,
+    Dahl,
     Maxwell,
     LinearStop,
     QuadraticStop,
@@ -48,6 +50,7 @@ __all__ = [
     "Brittle",
     "Coulomb",
     "CrushPlateau",
+    "Dahl",
     "Fading",
     "Folding",
     "Fracture",

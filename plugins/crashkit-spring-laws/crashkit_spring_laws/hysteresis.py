@@ -9,7 +9,7 @@ class BoucWen(SpringLaw):
     F = h k d + (1 - h) F_y z;  z' = (k / F_y) ddot (1 - |z|^n) while ddot pushes z on, and (k / F_y) ddot on the way back.
 
     The memory z, from -1 to 1, is the yielding part of the force. Loading begins with the slope k, bends over at F_y and goes
-    on with the slope h k; unloading begins with the slope k again. With h = 0 and n = 1 it is Dahl's friction, which sticks.
+    on with the slope h k; unloading begins with the slope k again. With h = 0 it is friction that sticks.
     """
 
     name = "bouc_wen"

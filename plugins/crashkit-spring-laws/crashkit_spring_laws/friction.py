@@ -1,0 +1,87 @@
+"""Dry friction: forces that oppose the rate, whatever its size."""
+
+import math
+
+from crashkit.protocols import ParameterSpec, SpringLaw
+from crashkit_spring_laws.shared import ENGAGEMENT
+
+FRICTION_FORCE = ParameterSpec("friction_force", "N", "force while sliding", lower=0.0, null=0.0)
+ALWAYS = ParameterSpec(
+    "always",
+    "1",
+    "1 where it acts at all times, 0 where only while the joint is compressed",
+    lower=0.0,
+    upper=1.0,
+    default=1.0,
+    free=False,
+)
+
+
+class Coulomb(SpringLaw):
+    """Dry friction: F = friction_force tanh(ddot / slip_rate) max(always, min(1, max(0, d) / engagement)).
+
+    Smooth, because a force that jumps with the sign of the rate would hold the joint on its jump. So what should stick creeps,
+    by at most slip_rate; friction that sticks is `dahl`.
+    """
+
+    name = "coulomb"
+    parameters = (
+        FRICTION_FORCE,
+        ParameterSpec("slip_rate", "m s-1", "rate at which sliding is established", lower=1e-3, default=0.05, free=False),
+        ALWAYS,
+        ENGAGEMENT,
+    )
+
+    @staticmethod
+    def force(
+        d: float, ddot: float, d_max: float, friction_force: float, slip_rate: float, always: float, engagement: float
+    ) -> float:
+        """The force, N, compression positive."""
+        return friction_force * math.tanh(ddot / slip_rate) * max(always, min(1.0, max(0.0, d) / engagement))
+
+
+class Dahl(SpringLaw):
+    """Dry friction of bristles that bend before they slip (Dahl 1976, doi:10.2514/3.61511).
+
+    F = friction_force z max(always, min(1, max(0, d) / engagement)), z' = ddot / bristle_length (1 - z sign(ddot))
+
+    The memory z, from -1 to 1, is the share of the force that is reached: 63 % of what is missing after one bristle length in
+    either direction. It sticks: at rest it holds what it holds.
+    """
+
+    name = "dahl"
+    memory = "bristle"
+    parameters = (
+        FRICTION_FORCE,
+        ParameterSpec("bristle_length", "m", "way on which the force turns round", lower=1e-5),
+        ALWAYS,
+        ENGAGEMENT,
+    )
+
+    @staticmethod
+    def force(
+        d: float,
+        ddot: float,
+        d_max: float,
+        bristle: float,
+        friction_force: float,
+        bristle_length: float,
+        always: float,
+        engagement: float,
+    ) -> float:
+        """The force, N, compression positive."""
+        return friction_force * bristle * max(always, min(1.0, max(0.0, d) / engagement))
+
+    @staticmethod
+    def memory_rate(
+        d: float,
+        ddot: float,
+        d_max: float,
+        bristle: float,
+        friction_force: float,
+        bristle_length: float,
+        always: float,
+        engagement: float,
+    ) -> float:
+        """How fast the bristles bend, 1/s."""
+        return (ddot - bristle * abs(ddot)) / bristle_length
