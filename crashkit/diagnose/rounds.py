@@ -77,7 +77,7 @@ def discover(workshop: Workshop, given: Misfit, base_search: Search, progress: P
         base_search: its best fit.
     """
     base_search, look = _first_look(workshop, given, base_search, progress)
-    rounds: list[Round] = []
+    rounds, look = _named_before_unknown(workshop, given, look, progress)
     search = base_search
     while look.winner is not None and not _corrects(look.winner, rounds):
         look = _settled(workshop, given, look, look.winner, progress)
@@ -110,6 +110,26 @@ def _without(search: Search, winner: Rival) -> Search:
     found = winner.search.misfit.values(winner.search.point)
     own = {name: found[name] for name in search.misfit.names if name in found}
     return begin(search.identifier, search.misfit.with_values(own)).advance(STEPS)
+
+
+def _named_before_unknown(workshop: Workshop, given: Misfit, look: Round, progress: Progress) -> tuple[list[Round], Round]:
+    """Nothing and the round; or, where an unknown force has won it, two named causes that fit better than its table.
+
+    One table takes up much of two effects at once, where each of them alone leaves the other.
+    """
+    named = [rival for rival in look.rivals if rival.proposal.physics != UNKNOWN]
+    if look.winner is None or look.winner.proposal.physics != UNKNOWN or not named:
+        return [], look
+    chances, nothing = probabilities(named, len(named))
+    first = evolve(look, rivals=tuple(named), probabilities=tuple(chances.tolist()), nothing=nothing)
+    if first.winner is None:
+        return [], look
+    first = _settled(workshop, given, first, first.winner, progress)
+    second = _look(workshop, given, first.rivals[0].search.fitted(), [first.rivals[0]], progress)
+    other = second.winner
+    if other is None or other.proposal.physics == UNKNOWN or other.search.deviance > look.winner.search.deviance:
+        return [], look
+    return [first], second
 
 
 def _settled(workshop: Workshop, given: Misfit, look: Round, winner: Rival, progress: Progress) -> Round:

@@ -64,11 +64,11 @@ def _side_by_side(model: Model) -> Model:
 
 
 def _lively_motion(model: Model) -> xr.Dataset:
-    """Every joint is compressed and stretched, every body moves; the sizes mean nothing."""
+    """Every joint is compressed and stretched, every body moves and comes nearer to all others; the sizes mean nothing."""
     joints, bodies = [joint.name for joint in model.joints], [body.name for body in model.bodies]
     ramp = np.array([0.0, 0.1, -0.1])
-    moved = np.array([[p + 0.1 * i * (n + 1) for n, p in enumerate(b.position)] for b in model.bodies for i in range(3)])
-    position = moved.reshape(len(bodies), 3, -1).transpose(1, 0, 2)
+    start = np.array([body.position for body in model.bodies], dtype=float)
+    position = np.array([(1.0 - 0.3 * i) * start + 0.1 * i * np.arange(1, start.shape[1] + 1) for i in range(3)])
     by_joint = (("time", "joint"), np.tile(ramp[:, None], (1, len(joints))))
     return xr.Dataset(
         {

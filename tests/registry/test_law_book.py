@@ -166,9 +166,9 @@ RELAXING, TIME = 2e5, 0.02
 @given(d=deformations, q=st.floats(0.0, 0.3))
 def test_laws_stand_side_by_side(d, q):
     both = BOOK["crush_plateau | maxwell"]
-    force = both.force(d, 1.0, d, q, ALPHA, DELTA, GAMMA, BETA, SLOPE, 0.0, 0.0, 0.0, 0.0, RELAXING, TIME)
+    force = both.force(d, 1.0, d, q, ALPHA, DELTA, GAMMA, BETA, SLOPE, 0.0, 0.0, 0.0, 0.0, RELAXING, TIME, 0.0, 1e-3)
     assert force == pytest.approx(plateau(d) + max(0.0, RELAXING * (d - q)), rel=1e-12, abs=1e-6)
-    rate = both.memory_rate(d, 1.0, d, q, ALPHA, DELTA, GAMMA, BETA, SLOPE, 0.0, 0.0, 0.0, 0.0, RELAXING, TIME)
+    rate = both.memory_rate(d, 1.0, d, q, ALPHA, DELTA, GAMMA, BETA, SLOPE, 0.0, 0.0, 0.0, 0.0, RELAXING, TIME, 0.0, 1e-3)
     assert rate == pytest.approx((d - q) / TIME)
     assert both.memory == "dashpot_deformation"
 

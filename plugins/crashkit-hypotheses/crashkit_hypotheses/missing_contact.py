@@ -1,6 +1,6 @@
 """Two bodies touch that the model does not join."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 from typing import ClassVar
 
@@ -11,13 +11,18 @@ from crashkit.model.edit import fresh_name, with_joint
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import grid, largest_approach, proposal
 
-SHARES = (0.1, 0.4, 0.6, 0.8, 0.93)
-FEWER = (0.05, 0.4, 0.7)
-"""Gaps of a contact that stiffens, relative to the approach: it may begin early and still be felt late."""
+LINE = (0.1, 0.4, 0.6, 0.8, 0.93)
+"""Gaps to start from, relative to the approach."""
+STIFFENING = (0.05, 0.4, 0.7)
+"""The same of a contact that stiffens: it may begin early and still be felt late."""
+CRUSHED, LENGTHS = (0.3, 0.6, 0.85), (0.05, 0.5)
+"""The same of one that is crushed, and the way over which its force rises."""
+RELEASE = 5.0
+"""Its slope on the way back, relative to that on the way in, to start from."""
 
 
 class MissingContact(Hypothesis):
-    """A joint between two bodies that have none: F = k max(0, d - gap), or c max(0, d - gap)^2."""
+    """A joint between two bodies that have none: F = k x with x = max(0, d - gap), or c x^2, or one that stays crushed."""
 
     physics: ClassVar[str] = "missing_contact"
     sentence: ClassVar[str] = "{place} touch, which the model does not know"
@@ -34,10 +39,17 @@ class MissingContact(Hypothesis):
     def _forms(self, model: Model, pair: tuple[str, str], reached: float) -> list[Proposal]:
         line = {"stiffness": Parameter(0.0, 0.0, 1e10)}
         parabola = {"coefficient": Parameter(0.0, 0.0, 1e12)}
-        return [
-            self._contact(model, pair, reached, "line", "linear_stop", line, SHARES),
-            self._contact(model, pair, reached, "parabola", "quadratic_stop", parabola, FEWER),
+        crushed = {
+            **line,
+            "crush_length": Parameter(0.5 * reached, 1e-3 * reached, 10.0 * reached),
+            "release": Parameter(RELEASE, 1.0, 1e3),
+        }
+        forms: list[tuple[str, str, dict[str, Parameter], dict[str, tuple[float, ...]]]] = [
+            ("line", "linear_stop", line, {"stop_deformation": LINE}),
+            ("parabola", "quadratic_stop", parabola, {"stop_deformation": STIFFENING}),
+            ("crushed", "crush_stop", crushed, {"stop_deformation": CRUSHED, "crush_length": LENGTHS}),
         ]
+        return [self._contact(model, pair, reached, *form) for form in forms]
 
     def _contact(
         self,
@@ -46,13 +58,12 @@ class MissingContact(Hypothesis):
         reached: float,
         form: str,
         law: str,
-        amplitude: dict[str, Parameter],
-        shares: Sequence[float],
+        own: Mapping[str, Parameter],
+        shares: Mapping[str, tuple[float, ...]],
     ) -> Proposal:
-        parameters = {**amplitude, "stop_deformation": Parameter(0.5 * reached, 0.0, reached)}
+        parameters = {**own, "stop_deformation": Parameter(0.5 * reached, 0.0, reached)}
         name = fresh_name(f"{pair[0]}_{pair[1]}_contact", (joint.name for joint in model.joints))
         augmented = with_joint(model, Joint(name, pair, law, parameters))
-        starts = grid(stop_deformation=[share * reached for share in shares])
-        prefix = f"joint.{name}."
-        first = next(iter(amplitude))
-        return proposal(self.physics, form, {"bodies": list(pair)}, augmented, prefix, parameters, first, starts)
+        starts = grid(**{length: [share * reached for share in each] for length, each in shares.items()})
+        place = {"bodies": list(pair)}
+        return proposal(self.physics, form, place, augmented, f"joint.{name}.", parameters, next(iter(own)), starts)

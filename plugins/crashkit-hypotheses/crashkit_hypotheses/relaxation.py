@@ -39,11 +39,23 @@ class Relaxation(Hypothesis):
             "tension": Parameter(0.0, fixed=True),
         }
         traces = grid(relaxing_stiffness=(trace,), relaxation_time=times)
-        maxwell = parallel(model, joint, self.physics, "maxwell", "maxwell", element, "relaxing_stiffness", traces)
+        maxwell = [
+            parallel(
+                model,
+                joint,
+                self.physics,
+                form,
+                "maxwell",
+                {**element, "holds": Parameter(holds, fixed=True)},
+                "relaxing_stiffness",
+                traces,
+            )
+            for form, holds in (("maxwell", 0.0), ("maxwell, holding", 1.0))
+        ]
         if "fading" in joint.factors:
-            return [maxwell]
+            return maxwell
         fading = {"fading_share": Parameter(0.0, 0.0, 1.0), "relaxation_time": time}
         return [
-            maxwell,
+            *maxwell,
             multiplied(model, joint, self.physics, "fading", "fading", fading, "fading_share", grid(relaxation_time=times)),
         ]

@@ -1,15 +1,16 @@
 """A force that relaxes while the deformation is held."""
 
 from crashkit.protocols import ParameterSpec, SpringLaw
-from crashkit_spring_laws.shared import CLEARANCE, TENSION
+from crashkit_spring_laws.shared import CLEARANCE, ENGAGEMENT, TENSION
 
 
 class Maxwell(SpringLaw):
     """A spring in series with a dashpot (Maxwell): F = k (x - q) with q' = (x - q) / tau, and x = max(0, d - clearance).
 
     The memory q is the deformation of the dashpot: quick loading meets the slope k, and a force that is held falls by 63 % in
-    tau. With `tension` it also pulls, and the clearance is free play either way. In parallel with an elastic law it is the
-    standard linear solid (Zener). A relaxation time below twice the step of the integration asks for a shorter step.
+    tau. With `tension` it also pulls, and the clearance is free play either way; with `holds` it pulls back after it has
+    relaxed, until the joint opens. In parallel with an elastic law it is the standard linear solid (Zener). A relaxation time
+    below twice the step of the integration asks for a shorter step.
     """
 
     name = "maxwell"
@@ -19,6 +20,17 @@ class Maxwell(SpringLaw):
         ParameterSpec("relaxation_time", "s", "in which a force that is held falls to 37 % (tau)", lower=2e-4, upper=1e3),
         CLEARANCE,
         TENSION,
+        ParameterSpec(
+            "holds",
+            "1",
+            "1 where it may pull while it is compressed, 0 where not",
+            0.0,
+            1.0,
+            default=0.0,
+            free=False,
+            null=0.0,
+        ),
+        ENGAGEMENT,
     )
 
     @staticmethod
@@ -31,10 +43,15 @@ class Maxwell(SpringLaw):
         relaxation_time: float,
         clearance: float,
         tension: float,
+        holds: float,
+        engagement: float,
     ) -> float:
         """The force, N, compression positive."""
-        spring = relaxing_stiffness * (_engaged(d, clearance, tension) - dashpot_deformation)
-        return spring if tension > 0.0 else max(0.0, spring)
+        engaged = _engaged(d, clearance, tension)
+        spring = relaxing_stiffness * (engaged - dashpot_deformation)
+        if tension > 0.0:
+            return spring
+        return max(0.0, spring) + holds * min(0.0, spring) * min(1.0, engaged / engagement)
 
     @staticmethod
     def memory_rate(
@@ -46,6 +63,8 @@ class Maxwell(SpringLaw):
         relaxation_time: float,
         clearance: float,
         tension: float,
+        holds: float,
+        engagement: float,
     ) -> float:
         """How fast the dashpot is deformed, m/s."""
         return (_engaged(d, clearance, tension) - dashpot_deformation) / relaxation_time

@@ -35,6 +35,29 @@ class QuadraticStop(SpringLaw):
         return coefficient * max(0.0, d - stop_deformation) ** 2
 
 
+class CrushStop(SpringLaw):
+    """A stop that is crushed: F = k max(0, min(x_max, crush_length) - release (x_max - x)), x = max(0, d - stop_deformation).
+
+    It keeps what it has taken up: beyond crush_length its force rises no further, and it lets go along a steeper slope.
+    """
+
+    name = "crush_stop"
+    parameters = (
+        ParameterSpec("stiffness", "N m-1", "slope beyond the stop (k)", lower=0.0, null=0.0),
+        STOP_DEFORMATION,
+        ParameterSpec("crush_length", "m", "way beyond the stop after which the force stays", lower=1e-5),
+        ParameterSpec("release", "1", "slope on the way back, relative to k", lower=1.0, upper=1e3),
+    )
+
+    @staticmethod
+    def force(
+        d: float, ddot: float, d_max: float, stiffness: float, stop_deformation: float, crush_length: float, release: float
+    ) -> float:
+        """The force, N, compression positive."""
+        x, x_max = max(0.0, d - stop_deformation), max(0.0, d_max - stop_deformation)
+        return stiffness * max(0.0, min(x_max, crush_length) - release * (x_max - x))
+
+
 class TensionSpring(SpringLaw):
     """A spring that only pulls, once its slack is gone: F = k min(0, d + slack)."""
 
