@@ -6,7 +6,7 @@ import numpy as np
 from attrs import frozen
 
 from crashkit.diagnose.contest import GROWING, Entrant, Progress, Start, heats, identity, promising, scores, scouted
-from crashkit.diagnose.reidentify import scattered
+from crashkit.diagnose.reidentify import reidentify, scattered
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.score import Score
 from crashkit.diagnose.search import Search
@@ -113,12 +113,27 @@ def fit_rivals(
     fitted = heats(scouted(workshop, base, chosen, (1.0,), HEATS[0][0]), HEATS, progress)
     hides = afresh and (strained or normalised > CONCEALED)
     if hides and not any(_explains(search) for _, search in fitted):
+        fitted += _leader_again(workshop, given, _ranked(fitted, deviance), progress)
+    if hides and not any(_explains(search) for _, search in fitted):
         rough = promising(scores(workshop, given.coarse, proposals, np.inf, progress), STARTS, LEAST_PROMISE)
         fitted += heats(scouted(workshop, given, rough, GROWING, HEATS[0][0]), HEATS, progress)
     ranked = _ranked(fitted, deviance)
     if ranked and ranked[0].search.normalised > FLOOR:
         ranked = _ranked([*fitted, *_polished(workshop, given, ranked, proposals, progress)], deviance)
     return ranked, _limits(scored)
+
+
+def _leader_again(workshop: Workshop, given: Misfit, ranked: Sequence[Rival], progress: Progress) -> list[Entrant]:
+    """The model with the best known claim, re-identified from where the user gave its numbers: it may be all there is."""
+    known = [rival for rival in ranked if rival.proposal.physics != UNKNOWN]
+    if not known:
+        return []
+    leader = known[0]
+    progress(f"re-identifying with {leader.proposal.physics}", 0.0)
+    found = leader.search.misfit.values(leader.search.point)
+    new = {name: found[name] for name in leader.proposal.parameters}
+    misfit = workshop.misfit(given, leader.proposal.model).with_values({**given.values(given.start()), **new})
+    return [(leader.proposal, reidentify(workshop.identifier, workshop.finder, misfit))]
 
 
 def _explains(search: Search) -> bool:

@@ -242,7 +242,9 @@ def _is_given(model: Model, location: Mapping[str, object]) -> bool:
     """What a finding has added is not itself a place for further physics."""
     bodies, joints = {body.name for body in model.bodies}, {joint.name for joint in model.joints}
     named = {"joint": joints, "body": bodies, "bodies": bodies}
-    return all(set(np.atleast_1d(location[kind])) <= known for kind, known in named.items() if kind in location)
+    return all(
+        set(np.ravel(np.asarray(location[kind])).tolist()) <= known for kind, known in named.items() if kind in location
+    )
 
 
 def _same(first: Proposal, second: Proposal) -> bool:

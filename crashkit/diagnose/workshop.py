@@ -73,6 +73,7 @@ def _lively_motion(model: Model) -> xr.Dataset:
     return xr.Dataset(
         {
             "position": (("time", "body", "axis"), position),
+            "velocity": (("time", "body", "axis"), np.gradient(position, 0.1, axis=0)),
             "deformation": by_joint,
             "deformation_rate": by_joint,
             "force": by_joint,

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from crashkit.data.channel_filter import filter_channel
 from crashkit.misfit.thin import SEARCH_INTERVAL, thinned
 
 
@@ -77,3 +78,24 @@ def test_thinning_leaves_as_much_noise_as_it_says(run, quantities, changed, misf
     total = one.channel_sums(one.residual(one.start()))[1]
     count = one.channels[1].samples
     assert total == pytest.approx(count, abs=5.0 * np.sqrt(2.0 * count))
+
+
+def test_an_open_filter_counts_for_the_noise_alone(run, quantities, changed):
+    """What is left of noise that went through CFC 1000, in means of five samples."""
+    rng = np.random.default_rng(7)
+    times = run["accelerometer"]["time"].values
+    spread = filter_channel(rng.normal(0.0, 1.0, (len(times), 40)), times, 1000)
+    spread *= float(run["accelerometer"]["acceleration_std"].values.max()) / spread.std()
+
+    def noise(number):
+        def replaced(dataset):
+            level = dataset["acceleration"] * 0.0 + spread[:, number].reshape(-1, *[1] * (dataset["acceleration"].ndim - 1))
+            return dataset.assign(acceleration=level).assign_attrs(channel_frequency_class=1000)
+
+        return changed(run, "accelerometer", replaced)
+
+    thin = [thinned(noise(number), quantities)["accelerometer"].to_dataset(inherit=False) for number in range(40)]
+    assert np.diff(thin[0]["time"].values) == pytest.approx(SEARCH_INTERVAL)
+    assert thin[0].attrs["channel_frequency_class"] == 0
+    left = np.std([one["acceleration"].values for one in thin])
+    assert left == pytest.approx(float(thin[0]["acceleration_std"].values.max()), rel=0.05)

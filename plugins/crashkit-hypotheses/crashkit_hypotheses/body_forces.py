@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import ClassVar
 
+import numpy as np
 import xarray as xr
 from attrs import evolve
 
@@ -10,6 +11,7 @@ from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.model.edit import fresh_name, with_joint
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import proposal
+from crashkit_hypotheses.parallel_forces import falling
 
 
 class AddedMass(Hypothesis):
@@ -33,25 +35,29 @@ class AddedMass(Hypothesis):
 
 
 class GroundFriction(Hypothesis):
-    """A near-constant force brakes a body: F = f sign(v)."""
+    """A near-constant force brakes a body: F = f sign(v), or one that falls with the speed."""
 
     physics: ClassVar[str] = "ground_friction"
     sentence: ClassVar[str] = "{place} is braked by friction on the ground"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every moving body; the ground is a fixed body of its own, so that no wall load cell feels it."""
-        return [self._braked(model, body) for body in model.bodies if body.mass is not None and not body.carrier]
+        forms = {
+            "constant": {"friction_force": Parameter(0.0, 0.0, 1e7), "slip_rate": Parameter(0.05, fixed=True)},
+            "falling": falling(max(float(np.nanmax(np.abs(one["velocity"].values))) for one in motion)),
+        }
+        braked = [body for body in model.bodies if body.mass is not None and not body.carrier]
+        return [self._braked(model, body, form, friction) for body in braked for form, friction in forms.items()]
 
-    def _braked(self, model: Model, body: Body) -> Proposal:
+    def _braked(self, model: Model, body: Body, form: str, friction: dict[str, Parameter]) -> Proposal:
         ground = Body(
             fresh_name("ground", (b.name for b in model.bodies)), _ahead(body), (0.0,) * len(body.position), fixed=True
         )
         grounded = evolve(model, bodies=(*model.bodies, ground))
-        friction = {"friction_force": Parameter(0.0, 0.0, 1e7), "slip_rate": Parameter(0.05, fixed=True)}
         name = fresh_name(f"{body.name}_friction", (joint.name for joint in model.joints))
         augmented = with_joint(grounded, Joint(name, (ground.name, body.name), "coulomb", friction))
         prefix = f"joint.{name}."
-        return proposal(self.physics, "constant", {"body": body.name}, augmented, prefix, friction, "friction_force", ({},))
+        return proposal(self.physics, form, {"body": body.name}, augmented, prefix, friction, "friction_force", ({},))
 
 
 def _ahead(body: Body) -> tuple[float, ...]:

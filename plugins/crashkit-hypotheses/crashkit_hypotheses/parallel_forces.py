@@ -8,7 +8,7 @@ import xarray as xr
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import added, grid, largest_deformation, largest_extension, parallel
+from crashkit_hypotheses.build import added, grid, largest_deformation, largest_extension, largest_rate, parallel
 
 BEFORE = 1.6
 """Times the deformation at which the plateau begins: a peak beyond that is none before the plateau."""
@@ -65,6 +65,7 @@ class JointFriction(Hypothesis):
         laws = {
             "sharp": ("coulomb", {**force, "slip_rate": Parameter(0.05, fixed=True)}),
             "smooth": ("coulomb", {**force, "slip_rate": Parameter(0.4, 0.01, 3.0)}),
+            "falling": ("coulomb", falling(largest_rate(motion, joint.name))),
             "bristles": ("dahl", {**force, "bristle_length": length}),
         }
         times = {"": 1.0, ", while compressed": 0.0} if largest_extension(motion, joint.name) > 0.0 else {"": 1.0}
@@ -133,6 +134,16 @@ class ProgressiveFolding(Hypothesis):
         lengths = [(reached - begin) / number for number in FOLDS]
         starts = [{"fold_length": one, "onset": max(0.0, begin + phase * one)} for one in lengths for phase in PHASES]
         return added(model, joint, self.physics, "sine", "folding", folds, "amplitude", starts)
+
+
+def falling(fastest: float) -> dict[str, Parameter]:
+    """Parameters of friction that changes with the rate, m/s, up to the fastest there was."""
+    return {
+        "friction_force": Parameter(0.0, 0.0, 1e7),
+        "slip_rate": Parameter(0.05, fixed=True),
+        "stick": Parameter(0.3, -0.9, 9.0),
+        "stick_rate": Parameter(0.2 * fastest, 0.02 * fastest, 2.0 * fastest),
+    }
 
 
 def _used(model: Model, motion: Sequence[xr.Dataset]) -> list[Joint]:

@@ -18,10 +18,11 @@ ALWAYS = ParameterSpec(
 
 
 class Coulomb(SpringLaw):
-    """Dry friction: F = friction_force tanh(ddot / slip_rate) max(always, min(1, max(0, d) / engagement)).
+    """Dry friction: F = friction_force tanh(ddot / slip_rate) (1 + stick exp(-(ddot / stick_rate)^2)) g(d).
 
-    Smooth, because a force that jumps with the sign of the rate would hold the joint on its jump. So what should stick creeps,
-    by at most slip_rate; friction that sticks is `dahl`.
+    g = max(always, min(1, max(0, d) / engagement)). With `stick` it falls with the rate (Stribeck). Smooth, because a force that
+    jumps with the sign of the rate would hold the joint on its jump. So what should stick creeps, by at most slip_rate;
+    friction that sticks is `dahl`.
     """
 
     name = "coulomb"
@@ -30,14 +31,25 @@ class Coulomb(SpringLaw):
         ParameterSpec("slip_rate", "m s-1", "rate at which sliding is established", lower=1e-3, default=0.05, free=False),
         ALWAYS,
         ENGAGEMENT,
+        ParameterSpec("stick", "1", "relative rise of the force at low rates", lower=-0.9, upper=9.0, default=0.0, null=0.0),
+        ParameterSpec("stick_rate", "m s-1", "rate above which that is lost", lower=1e-2, default=1.0, free=False),
     )
 
     @staticmethod
     def force(
-        d: float, ddot: float, d_max: float, friction_force: float, slip_rate: float, always: float, engagement: float
+        d: float,
+        ddot: float,
+        d_max: float,
+        friction_force: float,
+        slip_rate: float,
+        always: float,
+        engagement: float,
+        stick: float,
+        stick_rate: float,
     ) -> float:
         """The force, N, compression positive."""
-        return friction_force * math.tanh(ddot / slip_rate) * max(always, min(1.0, max(0.0, d) / engagement))
+        level = 1.0 + stick * math.exp(-((ddot / stick_rate) ** 2))
+        return friction_force * math.tanh(ddot / slip_rate) * level * max(always, min(1.0, max(0.0, d) / engagement))
 
 
 class Dahl(SpringLaw):

@@ -62,6 +62,7 @@ EXAMPLES = [
     (Viscous, {"damping": 3e3, "clearance": 0.1}),
     (Coulomb, {"friction_force": 5e3}),
     (Coulomb, {"friction_force": 5e3, "slip_rate": 0.5, "always": 0.0}),
+    (Coulomb, {"friction_force": 5e3, "stick": 0.6, "stick_rate": 2.0}),
     (Dahl, {"friction_force": 5e3, "bristle_length": 0.02}),
     (Dahl, {"friction_force": 5e3, "bristle_length": 0.05, "always": 0.0}),
     (LinearStop, {"stiffness": 1e6, "stop_deformation": 0.3}),
