@@ -115,10 +115,11 @@ def _without(search: Search, winner: Rival) -> Search:
 def _named_before_unknown(workshop: Workshop, given: Misfit, look: Round, progress: Progress) -> tuple[list[Round], Round]:
     """Nothing and the round; or, where an unknown force has won it, two named causes that fit better than its table.
 
-    One table takes up much of two effects at once, where each of them alone leaves the other.
+    One table takes up much of two effects at once, but not all, where each of them alone leaves the other.
     """
     named = [rival for rival in look.rivals if rival.proposal.physics != UNKNOWN]
-    if look.winner is None or look.winner.proposal.physics != UNKNOWN or not named:
+    is_unknown = look.winner is not None and look.winner.proposal.physics == UNKNOWN
+    if look.winner is None or not is_unknown or look.winner.search.normalised < FLOOR or not named:
         return [], look
     chances, nothing = probabilities(named, len(named))
     first = evolve(look, rivals=tuple(named), probabilities=tuple(chances.tolist()), nothing=nothing)

@@ -20,8 +20,8 @@ ALWAYS = ParameterSpec(
 class Coulomb(SpringLaw):
     """Dry friction: F = friction_force tanh(ddot / slip_rate) (1 + stick exp(-(ddot / stick_rate)^2)) g(d).
 
-    g = max(always, min(1, max(0, d) / engagement)). With `stick` it falls with the rate (Stribeck). Smooth, because a force that
-    jumps with the sign of the rate would hold the joint on its jump. So what should stick creeps, by at most slip_rate;
+    g = max(always, min(1, max(0, d) / engagement)). With `stick` it falls with the rate (Stribeck). Smooth, because a force
+    that jumps with the sign of the rate would hold the joint on its jump. So what should stick creeps, by at most slip_rate;
     friction that sticks is `dahl`.
     """
 
