@@ -124,16 +124,19 @@ def fit_rivals(
 
 
 def _leader_again(workshop: Workshop, given: Misfit, ranked: Sequence[Rival], progress: Progress) -> list[Entrant]:
-    """The model with the best known claim, re-identified from where the user gave its numbers: it may be all there is."""
+    """The best known claim once more: it may be all there is."""
     known = [rival for rival in ranked if rival.proposal.physics != UNKNOWN]
-    if not known:
-        return []
-    leader = known[0]
-    progress(f"re-identifying with {leader.proposal.physics}", 0.0)
-    found = leader.search.misfit.values(leader.search.point)
-    new = {name: found[name] for name in leader.proposal.parameters}
-    misfit = workshop.misfit(given, leader.proposal.model).with_values({**given.values(given.start()), **new})
-    return [(leader.proposal, reidentify(workshop.identifier, workshop.finder, misfit))]
+    return [(rival.proposal, again(workshop, given, rival, progress)) for rival in known[:1]]
+
+
+def again(workshop: Workshop, given: Misfit, rival: Rival, progress: Progress) -> Search:
+    """The model with a claim, re-identified from where the user gave its own numbers.
+
+    Its fit began where the model without it had been driven, and may have stayed in that valley.
+    """
+    progress(f"re-identifying with {rival.proposal.physics}", 0.0)
+    own = {name: value for name, value in given.values(given.start()).items() if name in rival.search.misfit.names}
+    return reidentify(workshop.identifier, workshop.finder, rival.search.fitted().with_values(own))
 
 
 def _explains(search: Search) -> bool:

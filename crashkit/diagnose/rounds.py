@@ -6,8 +6,7 @@ import numpy as np
 from attrs import evolve, field, frozen
 
 from crashkit.diagnose.contest import Progress, identity
-from crashkit.diagnose.name import FLOOR, Limit, Rival, best_forms, fit_rivals, probabilities, propose_all
-from crashkit.diagnose.reidentify import reidentify
+from crashkit.diagnose.name import FLOOR, Limit, Rival, again, best_forms, fit_rivals, probabilities, propose_all
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.search import Search, begin
 from crashkit.diagnose.workshop import Workshop
@@ -134,18 +133,14 @@ def _named_before_unknown(workshop: Workshop, given: Misfit, look: Round, progre
 
 
 def _settled(workshop: Workshop, given: Misfit, look: Round, winner: Rival, progress: Progress) -> Round:
-    """The round with its winner re-identified from the values that the user gave, where something is left.
-
-    The winner began where the model without it had been driven, and may have stayed in that valley.
-    """
+    """The round with its winner re-identified, where something is left."""
     if winner.search.normalised < FLOOR or winner.proposal.physics == UNKNOWN:
         return look
-    progress(f"re-identifying with {winner.proposal.physics}", 0.0)
-    again = reidentify(workshop.identifier, workshop.finder, _as_given(winner.search.fitted(), given))
-    gained = winner.search.deviance - again.deviance
+    found = again(workshop, given, winner, progress)
+    gained = winner.search.deviance - found.deviance
     if not gained > 0.0:
         return look
-    better = evolve(winner, search=again, drop=winner.drop + gained, evidence=winner.evidence + 0.5 * gained)
+    better = evolve(winner, search=found, drop=winner.drop + gained, evidence=winner.evidence + 0.5 * gained)
     return evolve(look, rivals=(better, *look.rivals[1:]))
 
 
