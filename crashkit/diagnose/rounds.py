@@ -19,9 +19,10 @@ CHANCE = 0.01
 """A finding is made when the probability that there is nothing falls below this."""
 LEAST_DROP = 20.0
 """Chi squared that a finding must at least explain: among a hundred trials of noise the largest stays below it."""
-FORM_ERROR = 0.005
-"""Share of what was explained already that a further finding must at least explain: the form of a law is never quite right,
-and a form that is wrong by 7 % of its effect leaves this much."""
+FORM_ERRORS = (0.005, 0.03)
+"""Share of what was explained already that a second and a third finding must at least explain: the form of a law is never
+quite right, and a form that is wrong by 7 % of its effect leaves the first. Three effects at once are rare, two forms that are
+wrong are not."""
 STEPS = 60
 NEEDED = 100.0
 """Chi squared that the loss of a finding must cost for it to be plainly needed."""
@@ -32,20 +33,19 @@ TIE = 10.0
 @frozen
 class Round:
     """One look at what is left: the rivals in order, their probabilities, that of nothing, the misfit before, how much of
-    chi squared other findings have explained already, and the smallest effects that would have been seen."""
+    chi squared a finding must at least explain, and the smallest effects that would have been seen."""
 
     rivals: tuple[Rival, ...]
     probabilities: tuple[float, ...]
     nothing: float
     before: Misfit
-    explained: float = 0.0
+    least: float = LEAST_DROP
     limits: tuple[Limit, ...] = field(default=())
 
     @property
     def winner(self) -> Rival | None:
         """The rival that convinces, if one does."""
-        least = max(LEAST_DROP, FORM_ERROR * self.explained)
-        convincing = bool(self.rivals) and self.nothing < CHANCE and self.rivals[0].drop > least
+        convincing = bool(self.rivals) and self.nothing < CHANCE and self.rivals[0].drop > self.least
         return self.rivals[0] if convincing else None
 
 
@@ -167,8 +167,12 @@ def _look(workshop: Workshop, given: Misfit, current: Misfit, found: Sequence[Ri
     ranked, limits = fit_rivals(equipped, current, _as_given(current, given), proposals, not found, progress)
     best = best_forms(ranked)
     chances, nothing = probabilities(best, len({identity(p) for p in proposals}))
-    explained = sum(rival.drop for rival in found)
-    return Round(tuple(best), tuple(chances.tolist()), nothing, current, explained, tuple(limits))
+    return Round(tuple(best), tuple(chances.tolist()), nothing, current, _least_drop(found), tuple(limits))
+
+
+def _least_drop(found: Sequence[Rival]) -> float:
+    """What a further finding must explain, in chi squared."""
+    return max(LEAST_DROP, FORM_ERRORS[len(found) - 1] * sum(rival.drop for rival in found)) if found else LEAST_DROP
 
 
 def _reconsider(
