@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from attrs import evolve
 
 from crashkit.diagnose.left_out import left_out_drop
 from crashkit.diagnose.name import Rival
 from crashkit.diagnose.reidentify import reidentify
-from crashkit.diagnose.rounds import Round, _corrects, needed
+from crashkit.diagnose.rounds import LEAST_DROP, Round, _corrects, _is_given, _least_drop, _settled, needed
 from crashkit.diagnose.search import begin
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_joint
@@ -54,6 +55,38 @@ def test_a_table_corrects_a_law_that_was_named_at_its_place():
     assert not _corrects(rival("unknown", "rear"), named)
     assert not _corrects(rival("fracture", "front"), named)
     assert not _corrects(rival("unknown", "front"), [])
+
+
+def test_a_third_finding_must_explain_more_than_a_second():
+    def rival(drop):
+        return Rival(Proposal("fracture", "", {"joint": "front"}, None, (), {}), None, drop, 0.5 * drop)
+
+    assert _least_drop([]) == _least_drop([rival(100.0)]) == LEAST_DROP
+    assert _least_drop([rival(1e5)]) == pytest.approx(500.0)
+    assert _least_drop([rival(1e5), rival(1e4)]) == pytest.approx(3300.0)
+
+
+def test_what_a_finding_has_added_is_no_place_for_more(model):
+    assert _is_given(model, {"bodies": ["wall", "front"]}) and _is_given(model, {"joint": model.joints[0].name})
+    assert not _is_given(model, {"bodies": ["wall", "front_load"]})
+    assert not _is_given(model, {"body": "front_load"}) and not _is_given(model, {"joint": "front_friction"})
+
+
+def test_a_winner_that_leaves_something_is_identified_again(workshop, offered):
+    """It had stopped where its dashpot was ten times too strong."""
+    look, _, final = offered(800.0)
+    damping = look.rivals[0].proposal.parameters[0]
+    misled = final.misfit.with_values({**final.misfit.values(final.point), damping: 8000.0})
+    winner = evolve(look.rivals[0], search=begin(workshop.identifier, misled))
+    settled = _settled(workshop, look.before, look, winner, lambda doing, share: None).rivals[0]
+    gained = winner.search.deviance - settled.search.deviance
+    assert settled.search.deviance == pytest.approx(final.deviance, abs=1.0)
+    assert (settled.drop - winner.drop, settled.evidence - winner.evidence) == pytest.approx((gained, 0.5 * gained))
+
+
+def test_a_winner_that_explains_everything_is_left_as_it_is(workshop, offered):
+    look, _, _ = offered(800.0)
+    assert _settled(workshop, look.before, look, look.rivals[0], lambda doing, share: None) is look
 
 
 def test_physics_that_is_there_predicts_runs_that_were_left_out(offered):

@@ -18,6 +18,8 @@ FIRST = 0.02
 """Of the deformation reached: no plateau is taken to begin before."""
 BRISTLE = 0.05
 """Of the deformation reached: length of a bristle to start from."""
+SLOWEST = 0.5
+"""m/s, below which friction is not asked how it changes with the rate."""
 LATEST = 0.3
 """Of the deformation reached: folds are looked for from there at the latest."""
 FOLDS = (1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 8.0, 10.0, 12.5)
@@ -138,6 +140,7 @@ class ProgressiveFolding(Hypothesis):
 
 def falling(fastest: float) -> dict[str, Parameter]:
     """Parameters of friction that changes with the rate, m/s, up to the fastest there was."""
+    fastest = max(fastest, SLOWEST)
     return {
         "friction_force": Parameter(0.0, 0.0, 1e7),
         "slip_rate": Parameter(0.05, fixed=True),
