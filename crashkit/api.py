@@ -68,15 +68,23 @@ def workshop(
     )
 
 
-def diagnose_files(model: Path, runs: Sequence[Path], holdout: Sequence[Path], output: Path, progress: Show) -> Diagnosis:
-    """Diagnose a model against recordings; writes diagnosis.json, augmented_model.toml and index.html."""
-    given_twice = [path for path, count in Counter(path.resolve() for path in (*runs, *holdout)).items() if count > 1]
+def _load(
+    model: Path, runs: Sequence[Path], others: Sequence[Path]
+) -> tuple[Model, dict[str, xr.DataTree], dict[str, xr.DataTree]]:
+    """A model, the recordings to fit and those that are only predicted, each checked against it."""
+    given_twice = [path for path, count in Counter(path.resolve() for path in (*runs, *others)).items() if count > 1]
     if given_twice:
         raise CrashkitError(f"{given_twice[0]}: expected each run once, fitted or held out, found it twice")
-    given, everything = load_model(model), load_recordings([*runs, *holdout])
-    recordings, unseen = dict(list(everything.items())[: len(runs)]), dict(list(everything.items())[len(runs) :])
+    given, everything = load_model(model), load_recordings([*runs, *others])
     for name, recording in everything.items():
         check_recording_against_model(recording, given, name)
+    pairs = list(everything.items())
+    return given, dict(pairs[: len(runs)]), dict(pairs[len(runs) :])
+
+
+def diagnose_files(model: Path, runs: Sequence[Path], holdout: Sequence[Path], output: Path, progress: Show) -> Diagnosis:
+    """Diagnose a model against recordings; writes diagnosis.json, augmented_model.toml and index.html."""
+    given, recordings, unseen = _load(model, runs, holdout)
     _make_folder(output)
     result = diagnose(given, recordings, unseen, workshop(), _told(progress))
     write_model(result.augmented_model, output / "augmented_model.toml", load().spring_laws)
@@ -106,12 +114,9 @@ def identify_files(
         curves: file for the predicted curves with their bands, of all recordings, likewise.
     """
     registry = load()
-    given, everything = load_model(model), load_recordings([*runs, *predicted])
-    for name, recording in everything.items():
-        check_recording_against_model(recording, given, name)
+    given, recordings, others = _load(model, runs, predicted)
     if not given.free_parameters():
         raise CrashkitError(f"{model}: expected a free parameter, found that all are fixed")
-    recordings = dict(list(everything.items())[: len(runs)])
     misfit = Misfit(given, recordings, registry.spring_laws, registry.observers)
     result = _identified(registry.identifier(method)(), misfit, progress)
     if output:
@@ -120,7 +125,7 @@ def identify_files(
         write_identification(result, method, tuple(recordings), document)
     if not curves and not predicted:
         return as_text(result)
-    shown = Misfit(given, everything, registry.spring_laws, registry.observers, misfit.simulator.engine)
+    shown = Misfit(given, recordings | others, registry.spring_laws, registry.observers, misfit.simulator.engine)
     bands = predicted_curves(misfit, shown, result)
     if curves:
         write_tree(bands, curves)

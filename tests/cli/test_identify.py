@@ -171,3 +171,8 @@ def test_it_predicts_a_test_that_is_not_fitted_and_writes_the_bands(folder, tmp_
     reach = 1.96 * film["noise"]
     inside = (film["recorded"] > film["lower"] - reach) & (film["recorded"] < film["upper"] + reach)
     assert 0.9 < float(inside.mean()) < 1.0
+
+
+def test_a_run_that_is_fitted_is_no_prediction(folder, capsys):
+    assert main(command(folder, "--predict", folder / "run.nc")) == 2
+    assert "run.nc: expected each run once, fitted or held out, found it twice" in capsys.readouterr().err
