@@ -18,6 +18,7 @@ from attrs import field, frozen
 
 from crashkit.errors import CrashkitError
 from crashkit.mechanics.laws.emit import emit
+from crashkit.mechanics.laws.linking import ARGUMENTS
 from crashkit.mechanics.laws.opaque import Opaque, OpaqueLawWarning, emit_opaque
 from crashkit.mechanics.laws.source import LawFunction, OutsideSubset
 
@@ -27,19 +28,24 @@ import math
 
 import numpy as np
 from crashkit.mechanics.kernel.arrays import *
+from crashkit.mechanics.laws.linking import Laws
 from numba import njit, types
 
 how = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
 within = {**how, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 compiled, inlined, entry = njit(**within), njit(**within, forceinline=True), njit(**how, cache=True)
+laws = Laws(__name__)
+scalar, definition = laws.add, laws.define()
 
 
 @compiled
-def power_slope(base, exponent):
-    return base**exponent * math.log(base) if base > 0.0 else 0.0
+def define_laws():
+    definition()
 '''
 KERNEL_MARK = "# ---- compiled from here ----"
 KERNEL = Path(__file__).parent / "kernel"
+USED = (KERNEL / "arrays.py", *(Path(__file__).parent / "laws" / name for name in ("linking.py", "translate.py")))
+"""What a generated module takes from crashkit as it is."""
 GEOMETRY = {1: ("line",), 2: ("plane",), 3: ("vectors", "rotations", "space")}
 """The modules of the kernel that know the geometry, by number of axes."""
 MODULES = ("forces", "steps", "tangents", "jumps", "history", "run", "adjoint")
@@ -105,9 +111,9 @@ def _engine(functions: tuple[LawFunction, ...], axes: int) -> Engine:
     laws, opaque = _laws(functions)
     for function in opaque.values():
         warnings.warn(str(function), OpaqueLawWarning, stacklevel=3)
-    source = _source(functions, laws, axes)
-    names = (KERNEL / "arrays.py").read_text(encoding="utf-8")
-    key = hashlib.sha256(f"{numba.__version__} {sys.version} {names} {source}".encode()).hexdigest()[:20]
+    source = _source(laws, axes)
+    used = "".join(path.read_text(encoding="utf-8") for path in USED)
+    key = hashlib.sha256(f"{numba.__version__} {sys.version} {used} {source}".encode()).hexdigest()[:20]
     numbers = {function: number for number, function in enumerate(functions)}
     return Engine(axes, numbers, _load(f"crashkit_engine_{key}", source), opaque)
 
@@ -126,14 +132,8 @@ def _laws(functions: tuple[LawFunction, ...]) -> tuple[list[str], dict[LawFuncti
     return texts, opaque
 
 
-def _source(functions: tuple[LawFunction, ...], laws: list[str], axes: int) -> str:
-    everyone = range(len(functions))
-    dispatch = [
-        _dispatch("mode", "", "p, o", "0", everyone),
-        _dispatch("frozen", "mode, ", "p, o", "0.0, math.inf", everyone),
-        _dispatch("partials", "mode, ", "p, o, out", "0.0", everyone),
-        _dispatch("guard", "mode, ", "p, o, out", "math.inf", [n for n in everyone if functions[n].law.jumps]),
-    ]
+def _source(laws: list[str], axes: int) -> str:
+    dispatch = [_dispatch(kind, arguments, laws) for kind, arguments in ARGUMENTS.items()]
     body = [_text(module) for module in (*GEOMETRY[axes], *MODULES)]
     return "\n\n\n".join([HEADER, *laws, *dispatch, *body]) + "\n"
 
@@ -146,11 +146,13 @@ def _text(module: str) -> str:
     return text
 
 
-def _dispatch(kind: str, first: str, last: str, none: str, numbers: Iterable[int]) -> str:
-    arguments = f"{first}d, ddot, d_max, z, {last}"
-    lines = ["@compiled", f"def law_{kind}(number, {arguments}):"]
-    lines += [f"    if number == {n}:\n        return law_{n}_{kind}({arguments})" for n in numbers]
-    return "\n".join([*lines, f"    return {none}"])
+def _dispatch(kind: str, arguments: Iterable[str], laws: list[str]) -> str:
+    """What calls a function of any law; those that numba compiles are called by their names."""
+    given = ", ".join(arguments)
+    compiled = [n for n, text in enumerate(laws) if f"@compiled\ndef law_{n}_{kind}(" in text]
+    lines = ["@compiled", f"def law_{kind}(number, {given}):"]
+    lines += [f"    if number == {n}:\n        return law_{n}_{kind}({given})" for n in compiled]
+    return "\n".join([f'other_{kind} = laws.call("{kind}")', "", "", *lines, f"    return other_{kind}(number, {given})"])
 
 
 def _load(name: str, source: str) -> ModuleType:

@@ -26,7 +26,7 @@ from crashkit.mechanics.kernel.line import (
     respond_adjoint,
     to_rotations_adjoint,
 )
-from crashkit.mechanics.kernel.stand_ins import compiled, law_partials
+from crashkit.mechanics.kernel.stand_ins import compiled, define_laws, law_partials
 from crashkit.mechanics.kernel.steps import try_step
 from crashkit.mechanics.kernel.tangents import joint_partials
 
@@ -266,6 +266,7 @@ def sweep(
         parameter_gradient, joint_gradient, body_gradient: gradients to the laws' parameters; to each joint's largest
             deformation, rest and attachments; to each body's inertia (six entries) and mass.
     """
+    define_laws()
     size, n = state.shape[1] // 2, DOF * bodies.size
     response, load, nothing = np.zeros(size), np.zeros(n), np.zeros(3 * joints.size + n)
     mu, later = np.zeros((4, size)), 0.0

@@ -14,6 +14,10 @@ def inlined(function):  # type: ignore[no-untyped-def]
     return function
 
 
+def define_laws() -> None:
+    """Put the laws beside the function that calls this: what is called from Python does so first."""
+
+
 def law_mode(number: int, d: float, ddot: float, d_max: float, z: float, p: Floats, o: int) -> int:
     """The branches that function `number` takes."""
 

@@ -94,7 +94,7 @@ def _slopes(op: ast.operator, left: ast.expr, right: ast.expr) -> tuple[str, str
         case ast.Div():
             return f"1.0 / {b}", f"-{a} / ({b} * {b})"
         case _:
-            return _power(a, right), f"power_slope({a}, {b})"
+            return _power(a, right), f"({a} ** {b} * math.log({a}) if {a} > 0.0 else 0.0)"
 
 
 def _power(base: str, exponent: ast.expr) -> str:

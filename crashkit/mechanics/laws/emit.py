@@ -20,7 +20,7 @@ from crashkit.mechanics.laws.text import indented, taken, when
 Leaf = Callable[[Return], Iterable[str]]
 Head = Callable[[Branch, bool], Iterable[str]]
 
-DECORATOR = "@compiled"
+DECORATOR = "@scalar"
 
 
 def emit(function: LawFunction, name: str) -> str:
@@ -69,11 +69,11 @@ def _guard(program: Program, name: str) -> str:
     def head(branch: Branch, side: bool) -> Iterator[str]:
         if branch.guard is not None:
             yield f"distance = {_distance(branch, side)}"
-            yield f"if distance < guard: guard, nearest = distance, {branch.bit}"
+            yield f"if distance < guard: guard = distance; nearest = {branch.bit}"
 
     block, _ = tests_of(program.block)
     known: set[str] = set()
-    forward = ["guard, nearest = math.inf, -1", *_forward(block, "frozen", head, lambda leaf: [])]
+    forward = ["guard = math.inf", "nearest = -1", *_forward(block, "frozen", head, lambda leaf: [])]
     backward = go_back(block, known, lambda leaf: None, lambda branch: branch.guard)
     return _derivatives(program, f"{name}_guard", [*forward, *backward], known, "guard")
 

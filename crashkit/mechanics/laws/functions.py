@@ -33,8 +33,3 @@ NAMES = (
     | {math.fabs: "abs", np.abs: "abs", np.minimum: "min", np.maximum: "max"}
 )
 """What a law may call: the functions of `math`, of numpy where they mean the same, and some built-in ones."""
-
-
-def power_slope(base: float, exponent: float) -> float:
-    """The derivative of base^exponent to the exponent."""
-    return base**exponent * math.log(base) if base > 0.0 else 0.0

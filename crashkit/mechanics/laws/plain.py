@@ -9,7 +9,6 @@ import numpy as np
 from attrs import frozen
 
 from crashkit.mechanics.laws.emit import emit
-from crashkit.mechanics.laws.functions import power_slope
 from crashkit.mechanics.laws.source import LawFunction
 
 
@@ -33,6 +32,6 @@ class Plain:
 @cache
 def plain(function: LawFunction) -> Plain:
     """A law's functions as plain Python; raises CrashkitError where they cannot be had."""
-    scope: dict[str, Any] = {"math": math, "np": np, "compiled": lambda written: written, "power_slope": power_slope}
+    scope: dict[str, Any] = {"math": math, "np": np, **dict.fromkeys(("compiled", "scalar"), lambda written: written)}
     exec(compile(emit(function, "law"), f"<{function.law.name}>", "exec"), scope)
     return Plain(scope["law_mode"], scope["law_frozen"], scope["law_partials"], scope.get("law_guard"))
