@@ -1,12 +1,14 @@
 """Effects come in twos: name the strongest, look again at what is left, then question each in the light of the others."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from attrs import evolve, field, frozen
 
+from crashkit.diagnose.aside import Suspect, suspects, without
 from crashkit.diagnose.contest import Progress, identity
 from crashkit.diagnose.name import FLOOR, Limit, Rival, again, best_forms, fit_rivals, probabilities, propose_all
+from crashkit.diagnose.reidentify import reidentify
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.search import Search, begin
 from crashkit.diagnose.workshop import Workshop
@@ -75,6 +77,34 @@ def discover(workshop: Workshop, given: Misfit, base_search: Search, progress: P
         given: the misfit of the model at the values that the user gave.
         base_search: its best fit.
     """
+    set_aside = suspects(given)
+    found = _beside(workshop, given, base_search, set_aside, progress) if set_aside else None
+    return found or _discovered(workshop, given, base_search, progress)
+
+
+def _beside(
+    workshop: Workshop, given: Misfit, base_search: Search, set_aside: tuple[Suspect, ...], progress: Progress
+) -> Discovery | None:
+    """What the instruments that agree say of the structure, and then what is wrong with the others; None if nothing is."""
+    rest = workshop.first_misfit(given.model, without(given.recordings, set_aside)).with_prior(given.prior.std)
+    if not rest.groups:
+        return None
+    structure = _discovered(workshop, rest, reidentify(workshop.identifier, workshop.finder, rest), progress)
+    rounds = list(structure.rounds)
+    search = rebuild(workshop, base_search, [look.rivals[0] for look in rounds], structure.search)
+    seen = structure.search.misfit.values(structure.search.point)
+    unbent = given.with_values({name: seen[name] for name in given.names if name in seen})
+    for suspect in set_aside:
+        found = [look.rivals[0] for look in rounds]
+        look = _look(workshop, unbent, search.fitted(), found, progress, suspect.concerns) if search else None
+        if look is None or look.winner is None:
+            return None
+        rounds.append(_settled(workshop, unbent, look, look.winner, progress))
+        search = rounds[-1].rivals[0].search
+    return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds)) if search else None
+
+
+def _discovered(workshop: Workshop, given: Misfit, base_search: Search, progress: Progress) -> Discovery:
     base_search, look = _first_look(workshop, given, base_search, progress)
     rounds, look = _named_before_unknown(workshop, given, look, progress)
     search = base_search
@@ -155,16 +185,27 @@ def _is_estimated(rounds: Sequence[Round]) -> bool:
     return bool(rounds) and rounds[-1].rivals[0].proposal.physics == UNKNOWN
 
 
-def _look(workshop: Workshop, given: Misfit, current: Misfit, found: Sequence[Rival], progress: Progress) -> Round:
+def _look(
+    workshop: Workshop,
+    given: Misfit,
+    current: Misfit,
+    found: Sequence[Rival],
+    progress: Progress,
+    concerns: Callable[[Proposal, Model], bool] | None = None,
+) -> Round:
     """Every hypothesis that has not been found already, at the places of the given model, against what is left.
 
     Once something has been found, the model's own numbers have no more reason to hide the rest.
+
+    Arguments:
+        concerns: which proposals, built on the current model, are to be looked at; None: all.
     """
     known = {rival.identity for rival in found}
-    everything = propose_all(workshop.hypotheses, current)
+    everything = [p for p in propose_all(workshop.hypotheses, current) if concerns is None or concerns(p, current.model)]
     proposals = [p for p in everything if identity(p) not in known and _is_given(given.model, p.location)]
     equipped = workshop.equipped([p.model for p in proposals])
-    ranked, limits = fit_rivals(equipped, current, _as_given(current, given), proposals, not found, progress)
+    afresh = not found or concerns is not None
+    ranked, limits = fit_rivals(equipped, current, _as_given(current, given), proposals, afresh, progress)
     best = best_forms(ranked)
     chances, nothing = probabilities(best, len({identity(p) for p in proposals}))
     return Round(tuple(best), tuple(chances.tolist()), nothing, current, _least_drop(found), tuple(limits))

@@ -42,8 +42,9 @@ class Chain:
             self.bend()
         if self._acts("hysteresis"):
             self.lag()
+        self.soften()
         self.clip()
-        if self._acts("bias", "bias_drift"):
+        if self._acts("bias", "bias_drift", "zero_shift"):
             self.offset()
         self.filter(channel_frequency_class)
 
@@ -95,23 +96,45 @@ class Chain:
         if self.errors is not None:
             self.errors |= {"hysteresis": -now.position, "hysteresis_travel": -hysteresis * now.by_travel(rising, travel)}
 
-    def clip(self) -> None:
-        """a within -saturation and saturation; a reading that clips no longer depends on anything else."""
-        limit = self._own["saturation"]
+    def soften(self) -> None:
+        """s tanh(a / s): bent towards -s and s."""
+        limit = self._own["saturation_soft"]
         if np.isinf(limit).all():
             return
-        clipped = np.abs(self.value) >= limit
-        self._each(lambda columns: np.where(clipped[..., None], 0.0, columns))
+        share = self.value / limit
+        bent = np.tanh(share)
+        slope = 1.0 - bent**2
+        self._each(lambda columns: slope[..., None] * columns)
+        finite = np.where(np.isinf(limit), 0.0, limit)
+        self.value = np.where(np.isinf(limit), self.value, finite * bent)
         if self.errors is not None:
-            self.errors["saturation"] = clipped * np.sign(self.value)
-        self.value = np.clip(self.value, -limit, limit)
+            self.errors["saturation_soft"] = bent - share * slope
+
+    def clip(self) -> None:
+        """a within -saturation and saturation, and what holds on one side; a clipped reading depends on nothing else."""
+        both, above, below = (self._own[name] for name in ("saturation", "saturation_above", "saturation_below"))
+        highest, lowest = np.minimum(both, above), -np.minimum(both, below)
+        if np.isinf(highest).all() and np.isinf(lowest).all():
+            return
+        high, low = self.value >= highest, self.value <= lowest
+        self._each(lambda columns: np.where((high | low)[..., None], 0.0, columns))
+        if self.errors is not None:
+            self.errors["saturation"] = 1.0 * (high & (both <= above)) - (low & (both <= below))
+            self.errors["saturation_above"] = 1.0 * (high & (above < both))
+            self.errors["saturation_below"] = -1.0 * (low & (below < both))
+        self.value = np.clip(self.value, lowest, highest)
 
     def offset(self) -> None:
-        """bias + bias_drift t + a."""
+        """bias + bias_drift t + zero_shift (1 + tanh((t - zero_shift_time) / zero_shift_rise)) / 2 + a."""
         stamps = np.broadcast_to(self._times[:, None], self.value.shape)
-        self.value = self.value + self._own["bias"] + self._own["bias_drift"] * stamps
+        shift, rise = self._own["zero_shift"], self._own["zero_shift_rise"]
+        since = (stamps - self._own["zero_shift_time"]) / rise
+        step = 0.5 * (1.0 + np.tanh(since))
+        self.value = self.value + self._own["bias"] + self._own["bias_drift"] * stamps + shift * step
         if self.errors is not None:
-            self.errors["bias_drift"] = stamps
+            slope = -2.0 * shift * step * (1.0 - step) / rise
+            self.errors |= {"bias_drift": stamps, "zero_shift": step}
+            self.errors |= {"zero_shift_time": slope, "zero_shift_rise": slope * since}
 
     def filter(self, channel_frequency_class: int) -> None:
         """The filter, which a constant passes unchanged; before the first sample the sensor felt nothing."""

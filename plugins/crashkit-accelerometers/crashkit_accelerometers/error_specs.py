@@ -25,6 +25,9 @@ def channel_errors(unit: str, full_scale: float) -> tuple[ParameterSpec, ...]:
         ParameterSpec("gain", "1", "recorded per true", 0.2, 5.0, default=1.0, null=1.0),
         ParameterSpec("bias", unit, "offset of the recorded values", default=0.0, null=0.0),
         ParameterSpec("bias_drift", rate, "change of the offset with time, 0 at t = 0", default=0.0, null=0.0),
+        ParameterSpec("zero_shift", unit, "by how much the offset changes in a shock", default=0.0, null=0.0),
+        ParameterSpec("zero_shift_time", "s", "middle of that change", default=0.0, null=0.0),
+        _shape("zero_shift_rise", "s", "a quarter of the time that it takes", 1e-5, 0.1, 1e-3),
         *(_around_null(f"tilt_{axis}", "rad", f"rotation of the sensing axes about {axis}", 0.5) for axis in AXES),
         *(_around_null(f"transverse_{axis}", "1", f"share of {axis} in channels across it", 0.5) for axis in AXES),
         _around_null("quadratic", reciprocal, "quadratic term of the linearity", 1.0 / full_scale),
@@ -33,7 +36,10 @@ def channel_errors(unit: str, full_scale: float) -> tuple[ParameterSpec, ...]:
         _shape(
             "hysteresis_travel", unit, "way from one branch to the other", 1e-3 * full_scale, full_scale, 0.05 * full_scale
         ),
-        ParameterSpec("saturation", unit, "size beyond which readings clip", 0.0, default=math.inf, null=math.inf),
+        _limit("saturation", unit, "size beyond which readings clip"),
+        _limit("saturation_above", unit, "the same of readings above 0 only"),
+        _limit("saturation_below", unit, "the same of readings below 0 only"),
+        _limit("saturation_soft", unit, "size towards which readings bend"),
         _around_null("resonance_share", "1", "how much of the reading comes through a ringing mount", 1.0),
         _shape("resonance_frequency", "s-1", "natural frequency of the mount", 10.0, 2e4, 500.0),
         _shape("resonance_damping", "1", "damping of the mount, of critical", 1e-3, 0.99, 0.05),
@@ -50,6 +56,10 @@ POSITION_ERRORS = tuple(
 
 def _around_null(name: str, unit: str, meaning: str, bound: float) -> ParameterSpec:
     return ParameterSpec(name, unit, meaning, -bound, bound, default=0.0, null=0.0)
+
+
+def _limit(name: str, unit: str, meaning: str) -> ParameterSpec:
+    return ParameterSpec(name, unit, meaning, 0.0, default=math.inf, null=math.inf)
 
 
 def _shape(name: str, unit: str, meaning: str, lower: float, upper: float, usual: float) -> ParameterSpec:

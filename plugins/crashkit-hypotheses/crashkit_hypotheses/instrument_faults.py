@@ -1,13 +1,24 @@
 """An instrument is wrong by a number: its sensitivity, its offset, its clock."""
 
-from collections.abc import Sequence
-from typing import ClassVar
+from collections.abc import Mapping, Sequence
+from typing import ClassVar, TypeAlias
 
 import xarray as xr
 
 from crashkit.model import Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.accused import accused, fault
+from crashkit_hypotheses.build import grid
+
+
+Fault: TypeAlias = tuple[dict[str, Parameter], str, Sequence[Mapping[str, float]]]
+"""The errors of a sensor, the one without which it is right, and where to start."""
+
+SHIFT = ("zero_shift", "zero_shift_time", "zero_shift_rise")
+MOMENTS = (0.1, 0.3, 0.6)
+"""Shares of the time recorded at which the zero may shift, to start from."""
+SLOW, SLOWEST = 0.03, 0.1
+"""Shares of it that a shift takes, at first and at most."""
 
 
 class GainError(Hypothesis):
@@ -30,31 +41,36 @@ class GainError(Hypothesis):
 
 
 class Bias(Hypothesis):
-    """recorded = true + b, or true + b + b' t."""
+    """recorded = true + b, true + b + b' t, or true + b where the shock shifts the zero."""
 
     physics: ClassVar[str] = "bias"
     sentence: ClassVar[str] = "{place} has an offset"
     sensor: ClassVar[bool] = True
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Every sensor; an offset that drifts where the Observer knows of one."""
-        constant = [
-            fault(self.physics, "constant", model, one, {"bias": _within(one.largest)}, "bias")
-            for one in accused(model, recordings, ["bias"])
-        ]
+        """Every sensor; an offset that drifts, or comes with the shock, where the Observer knows of one."""
         duration = max(float(run["time"].values[-1]) for run in motion)
-        drifting = [
-            fault(
-                self.physics,
-                "drift",
-                model,
-                one,
-                {"bias_drift": _within(one.largest / duration), "bias": _within(one.largest)},
-                "bias_drift",
-            )
-            for one in accused(model, recordings, ["bias_drift", "bias"])
+        forms = {"constant": (_constant, ["bias"]), "drift": (_drift, ["bias_drift", "bias"]), "shift": (_shift, list(SHIFT))}
+        return [
+            fault(self.physics, form, model, one, *changed(one.largest, duration))
+            for form, (changed, errors) in forms.items()
+            for one in accused(model, recordings, errors)
         ]
-        return [*constant, *drifting]
+
+
+def _constant(largest: float, duration: float) -> Fault:
+    return {"bias": _within(largest)}, "bias", ({},)
+
+
+def _drift(largest: float, duration: float) -> Fault:
+    return {"bias_drift": _within(largest / duration), "bias": _within(largest)}, "bias_drift", ({},)
+
+
+def _shift(largest: float, duration: float) -> Fault:
+    """A step at some time, at first a slow one, from which its time is seen."""
+    rise = Parameter(SLOW * duration, SLOWEST * duration / 1000.0, SLOWEST * duration)
+    errors = dict(zip(SHIFT, (_within(largest), Parameter(0.0, -duration, duration), rise), strict=True))
+    return errors, "zero_shift", grid(zero_shift_time=[share * duration for share in MOMENTS])
 
 
 class ClockOffset(Hypothesis):

@@ -15,8 +15,12 @@ UNCLIPPED = 100.0
 """Limit, in largest readings, that no motion reaches."""
 
 
+LIMITS = {"limit": "saturation", "above": "saturation_above", "below": "saturation_below", "soft": "saturation_soft"}
+"""The errors of a sensor that clips, by form."""
+
+
 class Saturation(Hypothesis):
-    """recorded = min(limit, max(-limit, true))."""
+    """recorded = min(limit, max(-limit, true)), the same on one side only, or limit tanh(true / limit)."""
 
     physics: ClassVar[str] = "saturation"
     sentence: ClassVar[str] = "{place} clips its readings"
@@ -24,13 +28,18 @@ class Saturation(Hypothesis):
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every sensor that can clip, at about its largest reading: what clips reads no more than its limit and noise."""
-        return [self._clipped(model, one) for one in accused(model, recordings, ["saturation"]) if one.largest > 0.0]
+        return [
+            self._clipped(model, one, form, error)
+            for form, error in LIMITS.items()
+            for one in accused(model, recordings, [error])
+            if one.largest > 0.0
+        ]
 
-    def _clipped(self, model: Model, one: Accused) -> Proposal:
+    def _clipped(self, model: Model, one: Accused, form: str, error: str) -> Proposal:
         never = UNCLIPPED * one.largest
-        limit = {"saturation": Parameter(one.largest, 0.3 * one.largest, never)}
-        starts = grid(saturation=(0.93 * one.largest,))
-        return fault(self.physics, "limit", model, one, limit, "saturation", starts, never)
+        limit = {error: Parameter(one.largest, 0.3 * one.largest, never)}
+        starts = grid(**{error: (0.93 * one.largest,)})
+        return fault(self.physics, form, model, one, limit, error, starts, never)
 
 
 class MountingResonance(Hypothesis):

@@ -50,10 +50,11 @@ class CrushPlateau(SpringLaw):
         turn = d_max if unloading_stiffness > 0.0 else d
         added = 0.0
         x = turn - clearance
-        if x >= toe:
-            x = x - 0.5 * toe
-        elif x > 0.0:
-            x = 0.5 * x * x / toe
+        if toe > 0.0:
+            if x >= toe:
+                x = x - 0.5 * toe
+            elif x > 0.0:
+                x = 0.5 * x * x / toe
         densification = max(densification_deformation, crush_force / elastic_stiffness)
         if x >= densification:
             static = crush_force + densification_stiffness * (x - densification)

@@ -51,10 +51,11 @@ class PiecewiseAffine(SpringLaw):
         turn = d_max if unloading_stiffness > 0.0 else d
         added = 0.0
         x = turn - clearance
-        if x >= toe:
-            x = x - 0.5 * toe
-        elif x > 0.0:
-            x = 0.5 * x * x / toe
+        if toe > 0.0:
+            if x >= toe:
+                x = x - 0.5 * toe
+            elif x > 0.0:
+                x = 0.5 * x * x / toe
         if deformation[0] > 0.0:
             start, end, low, high = 0.0, deformation[0], 0.0, force[0]
         elif len(force) > 1:
