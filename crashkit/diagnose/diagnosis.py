@@ -11,9 +11,10 @@ from crashkit.diagnose.contest import Progress
 from crashkit.diagnose.finding import estimates, experiment, make_finding, stand_ins, with_experiment
 from crashkit.diagnose.fits import curves_of, fit_of, predict
 from crashkit.diagnose.name import FLOOR
-from crashkit.diagnose.reidentify import refine, reidentify
+from crashkit.diagnose.reidentify import STEPS, refine, reidentify
 from crashkit.diagnose.result import UNKNOWN, Alternative, Diagnosis, Finding, Fit, place_of
 from crashkit.diagnose.rounds import Discovery, Round, discover, needed, run_drops
+from crashkit.diagnose.search import Search, begin
 from crashkit.diagnose.show import action_of, identified_table, limits_table, missing_force_tree, ranking_table, units_of
 from crashkit.diagnose.words import noted, summarise
 from crashkit.diagnose.workshop import Workshop
@@ -51,9 +52,21 @@ def diagnose(
     given = equipped.first_misfit(model, equipped.thinned(recordings)).with_prior(ROUGHLY)
     with suppress(SimulationError):
         given.residual(given.start())  # compiles the engine once, before copies of this process would each do so
-    discovery = discover(equipped, given, reidentify(equipped.identifier, equipped.finder, given), progress)
+    base = reidentify(equipped.identifier, equipped.finder, given)
+    given, base = _sharpened(equipped, recordings, given, base)
+    discovery = discover(equipped, given, base, progress)
     progress("refining", 0.0)
     return _told(equipped, _refined(equipped, discovery, model, recordings), holdout)
+
+
+def _sharpened(
+    workshop: Workshop, recordings: Mapping[str, xr.DataTree], given: Misfit, base: Search
+) -> tuple[Misfit, Search]:
+    """The misfit and its best fit, to recordings that were thinned in the light of that fit."""
+    found = base.fitted()
+    thin = workshop.first_misfit(given.model, workshop.thinned(recordings, found.model)).with_prior(ROUGHLY)
+    sharp = _weighed_alike(thin, found)
+    return sharp, begin(workshop.identifier, sharp.with_values(found.values(found.start()))).advance(STEPS)
 
 
 def _refined(workshop: Workshop, discovery: Discovery, model: Model, recordings: Mapping[str, xr.DataTree]) -> Discovery:
@@ -62,7 +75,8 @@ def _refined(workshop: Workshop, discovery: Discovery, model: Model, recordings:
     What that fit can do without is not told. Numbers that the recordings do not see stay about where the user gave them.
     """
     workshop = workshop.equipped([discovery.base.model, discovery.final.model])
-    thin = _weighed_alike(workshop.first_misfit(model, workshop.thinned(recordings)), discovery.final).with_prior(ROUGHLY)
+    sharp = workshop.first_misfit(model, workshop.thinned(recordings, discovery.final.model))
+    thin = _weighed_alike(sharp, discovery.final).with_prior(ROUGHLY)
     searches = [refine(workshop.identifier, workshop.misfit(thin, m.model)) for m in (discovery.base, discovery.final)]
     rounds, *searches = needed(workshop, discovery.rounds, *searches)
     full = _weighed_alike(workshop.first_misfit(model, recordings), discovery.final)

@@ -213,7 +213,11 @@ def _look(
 
 def _least_drop(found: Sequence[Rival]) -> float:
     """What a further finding must explain, in chi squared."""
-    return max(LEAST_DROP, FORM_ERRORS[len(found) - 1] * sum(rival.drop for rival in found)) if found else LEAST_DROP
+    return (
+        max(LEAST_DROP, FORM_ERRORS[min(len(found), len(FORM_ERRORS)) - 1] * sum(rival.drop for rival in found))
+        if found
+        else LEAST_DROP
+    )
 
 
 def _reconsider(

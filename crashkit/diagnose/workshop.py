@@ -34,10 +34,20 @@ class Workshop:
         """The misfit of a model to some recordings."""
         return Misfit(model, recordings, self.laws, self.observers, self.engine)
 
-    def thinned(self, recordings: Mapping[str, xr.DataTree]) -> dict[str, xr.DataTree]:
-        """The recordings at the rate of a search."""
+    def thinned(self, recordings: Mapping[str, xr.DataTree], fitted: Model | None = None) -> dict[str, xr.DataTree]:
+        """The recordings at the rate of a search; what a fitted model expects to be read stays as it is."""
         quantities = {name: observer.quantity for name, observer in self.observers.items()}
-        return {run: thinned(recording, quantities) for run, recording in recordings.items()}
+        expected = self._expected(fitted, recordings) if fitted else {}
+        return {run: thinned(recording, quantities, expected.get(run)) for run, recording in recordings.items()}
+
+    def _expected(self, model: Model, recordings: Mapping[str, xr.DataTree]) -> dict[str, dict[str, xr.DataArray]]:
+        """What the model expects every instrument of every run to read."""
+        full = self.equipped([model]).first_misfit(model, recordings)
+        expected: dict[str, dict[str, xr.DataArray]] = {run: {} for run in recordings}
+        for group, prediction in zip(full.groups, full.predictor.predict_at(full.parameters(full.start())), strict=True):
+            readings = group.dataset[group.observer.quantity].transpose("time", group.observer.channel, "axis")
+            expected[group.run][group.name] = readings.copy(data=prediction.samples.reshape(readings.shape))
+        return expected
 
     def equipped(self, models: Iterable[Model]) -> "Workshop":
         """The same with an engine that also holds the laws of these models."""

@@ -1,5 +1,7 @@
 """Thinner recordings for a search that tries many models: fast channels averaged to a rate that a structure cannot outrun."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import xarray as xr
 
@@ -15,26 +17,33 @@ MEMORY = 200
 """Samples after which such a filter has forgotten an impulse."""
 
 
-def thinned(recording: xr.DataTree, quantities: dict[str, str]) -> xr.DataTree:
+def thinned(
+    recording: xr.DataTree, quantities: Mapping[str, str], expected: Mapping[str, xr.DataArray] | None = None
+) -> xr.DataTree:
     """The recording with every fast, evenly sampled instrument brought to about `SEARCH_INTERVAL`.
 
-    White channels are averaged over blocks centred on the samples that are kept, so that nothing is lost but what lies above
+    White channels are averaged over blocks centred on the samples that are kept, so that little is lost but what lies above
     the new rate; so are those whose filter is open, which then counts for their noise alone. Other filtered channels, whose
     neighbours tell the same, are thinned.
+
+    A mean rounds the corners of what it is taken of; so what a model expects is taken away before and put back behind.
 
     Arguments:
         recording: one test.
         quantities: the recorded variable by the value of a group's attribute `observer`.
+        expected: readings of every sensor, of those groups for which a model gives some.
     """
     changed = {
-        name: xr.DataTree(_thin(group.to_dataset(inherit=False), quantities[str(group.attrs["observer"])]))
+        name: xr.DataTree(
+            _thin(group.to_dataset(inherit=False), quantities[str(group.attrs["observer"])], (expected or {}).get(name))
+        )
         for name, group in recording.children.items()
         if str(group.attrs.get("observer")) in quantities
     }
     return recording.assign(changed)
 
 
-def _thin(instrument: xr.Dataset, quantity: str) -> xr.Dataset:
+def _thin(instrument: xr.Dataset, quantity: str, expected: xr.DataArray | None) -> xr.Dataset:
     times = instrument["time"].values
     steps = np.diff(times)
     interval = float(np.median(steps)) if len(steps) else SEARCH_INTERVAL
@@ -46,28 +55,41 @@ def _thin(instrument: xr.Dataset, quantity: str) -> xr.Dataset:
         return instrument
     if is_closed:
         return instrument.isel(time=slice(None, None, factor))
-    return _averaged(instrument, quantity, factor if factor % 2 else factor - 1, filter_class)
+    return _averaged(instrument, quantity, factor if factor % 2 else factor - 1, filter_class, expected)
 
 
-def _averaged(instrument: xr.Dataset, quantity: str, factor: int, filter_class: int) -> xr.Dataset:
-    """Means of odd blocks; the block of a kept sample reaches equally far to both sides."""
-    half = factor // 2
-    kept = np.arange(factor, instrument.sizes["time"] - half, factor)
-    values = instrument[quantity].transpose("time", ...).values
-    means = np.mean([values[kept + shift] for shift in range(-half, half + 1)], axis=0)
+def _averaged(
+    instrument: xr.Dataset, quantity: str, factor: int, filter_class: int, expected: xr.DataArray | None
+) -> xr.Dataset:
+    """Weighted means of odd blocks and their neighbours, which reach equally far to both sides of a kept sample."""
+    weights = _weights(factor)
+    half = len(weights) // 2
+    kept = np.arange(half, instrument.sizes["time"] - half, factor)
+    readings = instrument[quantity].transpose("time", ...)
+    known = np.zeros(readings.shape) if expected is None else expected.reindex_like(readings).fillna(0.0).values
+    rest = readings.values - known
+    means = known[kept] + np.sum([weight * rest[kept + shift - half] for shift, weight in enumerate(weights)], axis=0)
     thin = instrument.isel(time=kept)
-    thin[quantity] = (instrument[quantity].transpose("time", ...).dims, means, instrument[quantity].attrs)
+    thin[quantity] = (readings.dims, means, instrument[quantity].attrs)
     if f"{quantity}_std" in thin:
-        thin[f"{quantity}_std"] = thin[f"{quantity}_std"] * _noise_left(instrument["time"].values, factor, filter_class)
+        thin[f"{quantity}_std"] = thin[f"{quantity}_std"] * _noise_left(instrument["time"].values, weights, filter_class)
     return thin.assign_attrs(channel_frequency_class=0) if filter_class else thin
 
 
-def _noise_left(times: np.ndarray, factor: int, filter_class: int) -> float:
-    """Standard deviation of a mean, relative to that of a sample of white noise that went through the filter."""
+def _weights(factor: int) -> np.ndarray:
+    """Of a block and its two neighbours, so that the mean is the value at the centre for every parabola.
+
+    The plain mean of a block is off by a share of the curvature: of a light body on a stiff spring that is far above the noise.
+    """
+    curvature = (factor**2 - 1) / (24.0 * factor**2)
+    return np.repeat([-curvature, 1.0 + 2.0 * curvature, -curvature], factor) / factor
+
+
+def _noise_left(times: np.ndarray, weights: np.ndarray, filter_class: int) -> float:
+    """Standard deviation of a weighted mean, relative to that of a sample of white noise that went through the filter."""
     response = np.zeros(2 * MEMORY + 1)
     response[MEMORY] = 1.0
     if filter_class:
         stamps = (times[1] - times[0]) * np.arange(len(response))
         response = filter_channel(response, stamps, filter_class)
-    mean = np.convolve(response, np.full(factor, 1.0 / factor))
-    return float(np.linalg.norm(mean) / np.linalg.norm(response))
+    return float(np.linalg.norm(np.convolve(response, weights)) / np.linalg.norm(response))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from crashkit.data.channel_filter import filter_channel
 from crashkit.misfit.thin import SEARCH_INTERVAL, thinned
@@ -25,14 +26,46 @@ def noisy(dataset):
 
 
 def test_a_white_channel_is_averaged_about_the_samples_that_stay(run, quantities):
+    """Over a block of five, and less a share of how the blocks beside it differ."""
     before = run["accelerometer"].to_dataset(inherit=False)
     after = thinned(run, quantities)["accelerometer"].to_dataset(inherit=False)
     assert np.diff(after["time"].values) == pytest.approx(SEARCH_INTERVAL)
     kept = np.searchsorted(before["time"].values, after["time"].values - 1e-9)
-    means = [before["acceleration"].values[k - 2 : k + 3].mean() for k in kept]
-    assert after["acceleration"].values.ravel() == pytest.approx(np.array(means))
-    assert after["acceleration_std"].values == pytest.approx(before["acceleration_std"].values / np.sqrt(5.0))
+    block = np.array([[before["acceleration"].values[k - 2 + s : k + 3 + s].mean() for s in (-5, 0, 5)] for k in kept])
+    expected = block[:, 1] - 0.04 * (block[:, 0] - 2.0 * block[:, 1] + block[:, 2])
+    assert after["acceleration"].values.ravel() == pytest.approx(expected)
+    left = np.sqrt((1.08**2 + 2 * 0.04**2) / 5.0)
+    assert after["acceleration_std"].values == pytest.approx(left * before["acceleration_std"].values)
     assert after["acceleration"].attrs["units"] == "m s-2"
+
+
+@pytest.mark.parametrize("interval", [1e-4, 5e-5, 1.6e-4])
+def test_a_parabola_goes_through_as_it_is(run, quantities, changed, interval):
+    def parabola(dataset):
+        times = interval * np.arange(dataset.sizes["time"])
+        values = (3.0 - 2e3 * times + 8e5 * times**2).reshape(-1, *[1] * (dataset["acceleration"].ndim - 1))
+        return dataset.assign_coords(time=times).assign(acceleration=dataset["acceleration"] * 0.0 + values)
+
+    after = thinned(changed(run, "accelerometer", parabola), quantities)["accelerometer"]
+    times = after["time"].values
+    assert after["acceleration"].values.ravel() == pytest.approx(3.0 - 2e3 * times + 8e5 * times**2, rel=1e-9)
+
+
+def test_corners_that_a_model_expects_stay_sharp(run, quantities, changed):
+    """The noise on top of them is averaged as ever."""
+    before = run["accelerometer"].to_dataset(inherit=False)["acceleration"]
+    corner = before * 0.0 + 1e5 * np.abs(before["time"] - 0.05)
+    noise = np.random.default_rng(1).normal(0.0, 1.0, before.shape)
+
+    def thin(readings, **expected):
+        recorded = changed(run, "accelerometer", lambda dataset: dataset.assign(acceleration=readings))
+        return thinned(recorded, quantities, expected)["accelerometer"]["acceleration"]
+
+    known = thin(corner, accelerometer=corner)
+    assert known.values == pytest.approx(corner.sel(time=known["time"]).values)
+    assert np.abs(thin(corner) - known).max() > 1.0
+    left = thin(corner + noise, accelerometer=corner) - known
+    assert left.values == pytest.approx(thin(corner * 0.0 + noise).values)
 
 
 def test_the_given_recording_stays_as_it_was(run, quantities):
@@ -81,7 +114,7 @@ def test_thinning_leaves_as_much_noise_as_it_says(run, quantities, changed, misf
 
 
 def test_an_open_filter_counts_for_the_noise_alone(run, quantities, changed):
-    """What is left of noise that went through CFC 1000, in means of five samples."""
+    """What is left of noise that went through CFC 1000, in means about five samples."""
     rng = np.random.default_rng(7)
     times = run["accelerometer"]["time"].values
     spread = filter_channel(rng.normal(0.0, 1.0, (len(times), 40)), times, 1000)
