@@ -79,7 +79,7 @@ def _averaged(
 def _weights(factor: int) -> np.ndarray:
     """Of a block and its two neighbours, so that the mean is the value at the centre for every parabola.
 
-    The plain mean of a block is off by a share of the curvature: of a light body on a stiff spring that is far above the noise.
+    The plain mean of a block is off by a share of the curvature: for a light body on a stiff spring far above the noise.
     """
     curvature = (factor**2 - 1) / (24.0 * factor**2)
     return np.repeat([-curvature, 1.0 + 2.0 * curvature, -curvature], factor) / factor

@@ -10,7 +10,6 @@ from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.accused import accused, fault
 from crashkit_hypotheses.build import grid
 
-
 Fault: TypeAlias = tuple[dict[str, Parameter], str, Sequence[Mapping[str, float]]]
 """The errors of a sensor, the one without which it is right, and where to start."""
 
