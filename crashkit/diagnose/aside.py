@@ -44,7 +44,7 @@ def suspects(misfit: Misfit) -> tuple[Suspect, ...]:
     checks = check_instruments(groups).to_dataframe()
     worst = checks.sort_values("sigma").groupby(["body", "accelerometer"]).tail(1)
     accused = worst[(worst["sigma"] > SIGNIFICANT) & (worst["error"] != CLOCK)]
-    return tuple(_suspect(misfit, row.body, row.accelerometer) for row in accused.itertuples())
+    return tuple(_suspect(misfit, str(row.body), str(row.accelerometer)) for row in accused.itertuples())
 
 
 def _suspect(misfit: Misfit, body: str, instrument: str) -> Suspect:
@@ -60,7 +60,7 @@ def without(recordings: Mapping[str, xr.DataTree], set_aside: tuple[Suspect, ...
 
 def _without(recording: xr.DataTree, set_aside: tuple[Suspect, ...]) -> xr.DataTree:
     for suspect in set_aside:
-        instrument = recording[suspect.instrument].to_dataset(inherit=False)
+        instrument = recording.children[suspect.instrument].to_dataset(inherit=False)
         rest = instrument.isel(sensor=~instrument["sensor"].isin(suspect.sensors))
         recording = recording.assign({suspect.instrument: xr.DataTree(rest)})
         if not rest.sizes["sensor"]:

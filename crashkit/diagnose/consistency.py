@@ -75,7 +75,7 @@ def _compare(film: Group, sensor: Group, body: str, seen: xr.Dataset, felt: xr.D
 def _rows(comparisons: list[Comparison]) -> list[tuple[str | float, ...]]:
     first = comparisons[0]
     units = {"gain": "", "bias": " m/s²", "clock_offset": " s"}
-    rows = []
+    rows: list[tuple[str | float, ...]] = []
     for error, unit in units.items():
         estimate, std = _estimate(comparisons, error)
         sigma = abs(estimate) / std

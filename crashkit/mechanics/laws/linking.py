@@ -27,7 +27,8 @@ ARGUMENTS = {
     "guard": ("mode", *STATE, "p", "o", "out"),
 }
 """Of the functions of a law. Whole numbers are `mode` and `o`, arrays of floats `p` and `out`, the others floats."""
-RETURNS = {"mode": types.int64, "frozen": types.UniTuple(types.float64, 2), "partials": types.float64, "guard": types.float64}
+PAIR = types.UniTuple(types.float64, 2)
+RETURNS = {"mode": types.int64, "frozen": PAIR, "partials": types.float64, "guard": types.float64}
 NOTHING: Mapping[str, Any] = {"mode": 0, "frozen": (0.0, math.inf), "partials": 0.0, "guard": math.inf}
 """What stands for a law without such a function."""
 ARRAYS = ("p", "out")
@@ -81,7 +82,7 @@ class Laws:
 
     def finder(self, module: ir.Module, kind: str) -> ir.Function:
         """The function that finds a law by its number."""
-        returned = {types.int64: INTEGER, types.float64: FLOAT}.get(RETURNS[kind], ir.ArrayType(FLOAT, 2))
+        returned = {types.int64: INTEGER, types.float64: FLOAT, PAIR: ir.ArrayType(FLOAT, 2)}[RETURNS[kind]]
         found = cgutils.get_or_insert_function(module, _type(returned, ("number", *ARGUMENTS[kind])), f"{self.engine}_{kind}")
         found.attributes.add("nounwind")
         return found

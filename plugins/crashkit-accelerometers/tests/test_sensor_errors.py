@@ -48,6 +48,12 @@ def read(sensors):
         ({"quadratic": 1e-4}, PULSE + 1e-4 * PULSE**2),
         ({"cubic": -1e-6}, PULSE - 1e-6 * PULSE**3),
         ({"saturation": 120.0}, np.minimum(PULSE, 120.0)),
+        ({"saturation_above": 120.0}, np.minimum(PULSE, 120.0)),
+        ({"saturation_below": 120.0}, PULSE),
+        ({"gain": -1.0, "saturation_below": 120.0}, np.maximum(-PULSE, -120.0)),
+        ({"gain": -1.0, "saturation_above": 120.0}, -PULSE),
+        ({"saturation_soft": 200.0}, 200.0 * np.tanh(PULSE / 200.0)),
+        ({"zero_shift": 4.0, "zero_shift_time": 0.02, "zero_shift_rise": 1e-5}, PULSE + 4.0 * np.heaviside(TIMES - 0.02, 0.5)),
         ({"clock_offset": 2e-3}, np.interp(TIMES - 2e-3, TIMES, PULSE)),
         ({"clock_rate": 0.01}, np.interp(0.99 * TIMES, TIMES, PULSE)),
         ({"transverse_y": 0.1, "position_x": 0.1}, PULSE),
@@ -174,6 +180,10 @@ WRONG = {
     "cubic": 1e-7,
     "hysteresis": 3.0,
     "hysteresis_travel": 40.0,
+    "zero_shift": -12.0,
+    "zero_shift_time": 0.02,
+    "zero_shift_rise": 4e-3,
+    "saturation_soft": 900.0,
     "saturation": 500.0,
     "resonance_share": 0.6,
     "resonance_frequency": 700.0,
@@ -208,6 +218,12 @@ def test_derivatives_to_every_error_hold_among_all_others(turning, sensors, name
     """But at the few samples where a step of the difference crosses the edge of saturation or a turn of hysteresis."""
     instrument = sensors([[0.1, 0.2, 0.3]], TIMES, cfc=cfc)
     assert wrong_derivatives(turning(TIMES, brake=1.5), instrument, WRONG, name, 1e-4) < 0.01
+
+
+@pytest.mark.parametrize("name", ["saturation_above", "saturation_below"])
+def test_derivatives_to_a_limit_of_one_side(sensors, name) -> None:
+    motion = line_motion(PULSE - 0.5 * PULSE.max())
+    assert wrong_derivatives(motion, sensors([[0.0]], TIMES, axes="x"), {name: 0.3 * PULSE.max()}, name, 1e-4) < 0.01
 
 
 @pytest.mark.parametrize("name", ["clock_offset", "clock_rate"])

@@ -1,0 +1,80 @@
+"""Accelerometers that contradict their film are set aside, and nothing else is."""
+
+import numpy as np
+import pytest
+
+from crashkit.diagnose.aside import suspects, without
+from crashkit.model import Joint, Parameter
+from crashkit.model.edit import with_instrument_error, with_joint
+from crashkit.protocols import Proposal
+from crashkit.testing import toys
+
+
+@pytest.fixture
+def doubted(recorded, misfit, model):
+    """The suspects in two runs whose accelerometers were tampered with."""
+
+    def doubt(**changes):
+        return suspects(misfit(model, slow=recorded(model, 0.9, 1, **changes), fast=recorded(model, 1.2, 2, **changes)))
+
+    return doubt
+
+
+def shifted(dataset):
+    """The zero jumps in mid-run, which is neither an offset nor a sensitivity."""
+    return dataset.assign(acceleration=dataset["acceleration"] + 8.0 * (dataset["time"] > 0.05))
+
+
+def late(dataset, by=8):
+    values = dataset["acceleration"].values
+    return dataset.assign(acceleration=(dataset["acceleration"].dims, np.concatenate([0.0 * values[:by], values[:-by]])))
+
+
+def test_instruments_that_agree_are_not_suspected(doubted):
+    assert doubted() == ()
+
+
+def test_a_sensor_whose_zero_shifts_is_suspected(doubted):
+    (suspect,) = doubted(accelerometer=shifted)
+    assert (suspect.body, suspect.instrument, suspect.sensors) == ("front", "accelerometer", ("front_sensor",))
+
+
+def test_a_late_clock_accuses_no_sensor(doubted):
+    assert doubted(accelerometer=late) == ()
+
+
+def test_what_is_set_aside_leaves_the_other_instruments_as_they_were(doubted, recorded, model):
+    run = recorded(model, accelerometer=shifted)
+    rest = without({"run": run}, doubted(accelerometer=shifted))["run"]
+    assert set(run.children) - set(rest.children) == {"accelerometer"}
+    assert rest["film"].identical(run["film"])
+    assert "accelerometer" in run.children
+
+
+def test_sensors_of_other_bodies_stay(recorded, misfit):
+    model = toys.two_degrees()
+    first, second = (body.name for body in model.bodies if not body.fixed)
+
+    def first_shifted(dataset):
+        jump = 8.0 * (dataset["time"] > 0.05) * (dataset["sensor_body"] == first)
+        return dataset.assign(acceleration=dataset["acceleration"] + jump)
+
+    run = recorded(model, accelerometer=first_shifted)
+    found = suspects(misfit(model, run=run))
+    assert [suspect.body for suspect in found] == [first]
+    rest = without({"run": run}, found)["run"]
+    assert rest["accelerometer"]["sensor_body"].values.tolist() == [second]
+
+
+def test_only_readings_of_its_body_concern_a_suspect(doubted, model):
+    (suspect,) = doubted(accelerometer=shifted)
+    wrong = with_instrument_error(model, "accelerometer", "front_sensor", "bias", Parameter(0.0))
+    dashpot = Joint("dashpot", ("wall", "front"), "viscous", {"damping": Parameter(1.0)})
+
+    def proposal(changed, **place):
+        return Proposal("any", "", place, changed, (), {})
+
+    assert suspect.concerns(proposal(wrong, sensor="front_sensor"), model)
+    assert suspect.concerns(proposal(wrong, body="front"), model)
+    assert not suspect.concerns(proposal(wrong, sensor="rear_sensor"), model)
+    assert not suspect.concerns(proposal(with_joint(model, dashpot), body="front"), model)
