@@ -187,6 +187,14 @@ def drifting(model):
     return with_error(model, "rear_sensor", bias=2.0, bias_drift=30.0)
 
 
+def shifting(model):
+    return with_error(model, "rear_sensor", zero_shift=9.0, zero_shift_time=0.06, zero_shift_rise=5e-4)
+
+
+def bending(model):
+    return with_error(model, "rear_sensor", saturation_soft=120.0)
+
+
 def with_error(model, sensor, instrument="accelerometer", **errors):
     for name, value in errors.items():
         model = with_instrument_error(model, instrument, sensor, name, Parameter(value, fixed=True))
@@ -227,6 +235,8 @@ CASES = {
         {"resonance_frequency": 120.0, "resonance_damping": 0.03},
     ),
     rocking: (("rotation", "rocking", {"body": "rear"}), {"rocking_frequency": 9.0, "rocking_damping": 0.2}),
+    shifting: (("bias", "shift", {"sensor": "rear_sensor"}), {"zero_shift": 9.0, "zero_shift_time": 0.06}),
+    bending: (("saturation", "soft", {"sensor": "rear_sensor"}), {"saturation_soft": 120.0}),
     drifting: (("bias", "drift", {"sensor": "rear_sensor"}), {"bias": 2.0, "bias_drift": 30.0}),
 }
 
