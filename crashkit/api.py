@@ -16,7 +16,7 @@ from crashkit.diagnose import Diagnosis, Workshop, diagnose
 from crashkit.diagnose.result import run_name
 from crashkit.errors import CrashkitError
 from crashkit.mechanics import simulate
-from crashkit.misfit import Misfit
+from crashkit.misfit import Misfit, fine_step
 from crashkit.misfit.bands import predicted_curves
 from crashkit.misfit.cross_check import cross_check
 from crashkit.model import Model
@@ -118,6 +118,7 @@ def identify_files(
     if not given.free_parameters():
         raise CrashkitError(f"{model}: expected a free parameter, found that all are fixed")
     misfit = Misfit(given, recordings, registry.spring_laws, registry.observers)
+    misfit = misfit.with_step(fine_step(misfit))
     result = _identified(registry.identifier(method)(), misfit, progress)
     if output:
         write_model(given.with_values(result.values), output, registry.spring_laws)
@@ -125,7 +126,7 @@ def identify_files(
         write_identification(result, method, tuple(recordings), document)
     if not curves and not predicted:
         return as_text(result)
-    shown = Misfit(given, recordings | others, registry.spring_laws, registry.observers, misfit.simulator.engine)
+    shown = Misfit(given, recordings | others, registry.spring_laws, registry.observers, misfit.simulator.engine, misfit.step)
     bands = predicted_curves(misfit, shown, result)
     if curves:
         write_tree(bands, curves)

@@ -1,7 +1,6 @@
 """The diagnosis: re-identify, compare, locate, name, model, show."""
 
 from collections.abc import Mapping
-from contextlib import suppress
 
 import xarray as xr
 from attrs import evolve
@@ -18,8 +17,7 @@ from crashkit.diagnose.search import Search, begin
 from crashkit.diagnose.show import action_of, identified_table, limits_table, missing_force_tree, ranking_table, units_of
 from crashkit.diagnose.words import noted, summarise
 from crashkit.diagnose.workshop import Workshop
-from crashkit.errors import SimulationError
-from crashkit.misfit import Group, Misfit
+from crashkit.misfit import Group, Misfit, fine_step
 from crashkit.model import Model
 from crashkit.protocols import Identification
 
@@ -50,8 +48,9 @@ def diagnose(
     progress("re-identifying the model", 0.0)
     equipped = workshop.rehearsed(model, recordings.values())
     given = equipped.first_misfit(model, equipped.thinned(recordings)).with_prior(ROUGHLY)
-    with suppress(SimulationError):
-        given.residual(given.start())  # compiles the engine once, before copies of this process would each do so
+    # The first simulation compiles the engine, before copies of this process would each do so.
+    equipped = evolve(equipped, step=fine_step(given))
+    given = given.with_step(equipped.step)
     base = reidentify(equipped.identifier, equipped.finder, given)
     given, base = _sharpened(equipped, recordings, given, base)
     discovery = discover(equipped, given, base, progress)

@@ -9,6 +9,7 @@ from attrs import evolve, field, frozen
 
 from crashkit.mechanics import Engine, compile_engine, functions_of
 from crashkit.misfit import Misfit
+from crashkit.misfit.predictor import STEP
 from crashkit.misfit.thin import thinned
 from crashkit.model import Model
 from crashkit.protocols import Hypothesis, Identifier, Observer, Smoother, SpringLaw
@@ -16,7 +17,7 @@ from crashkit.protocols import Hypothesis, Identifier, Observer, Smoother, Sprin
 
 @frozen
 class Workshop:
-    """The plugins by name, an identifier for every fit, another that looks everywhere for a first one, and the engine."""
+    """The plugins by name, an identifier for every fit, one that looks everywhere for a first, the engine and its longest step."""
 
     laws: Mapping[str, type[SpringLaw]]
     observers: Mapping[str, type[Observer]]
@@ -25,6 +26,7 @@ class Workshop:
     identifier: Identifier[Any]
     finder: Identifier[Any]
     engine: Engine | None = field(default=None)
+    step: float = STEP
 
     def misfit(self, base: Misfit, model: Model) -> Misfit:
         """The misfit of another model to the same recordings, weighed alike."""
@@ -32,7 +34,7 @@ class Workshop:
 
     def first_misfit(self, model: Model, recordings: Mapping[str, xr.DataTree]) -> Misfit:
         """The misfit of a model to some recordings."""
-        return Misfit(model, recordings, self.laws, self.observers, self.engine)
+        return Misfit(model, recordings, self.laws, self.observers, self.engine, self.step)
 
     def thinned(self, recordings: Mapping[str, xr.DataTree], fitted: Model | None = None) -> dict[str, xr.DataTree]:
         """The recordings at the rate of a search; what a fitted model expects to be read stays as it is."""

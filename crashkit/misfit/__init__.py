@@ -1,7 +1,8 @@
 """Residuals in measurement space, the noise they are weighed against, and ratings of curves."""
 
 from crashkit.misfit.channel import Channel, Group
+from crashkit.misfit.fine_step import fine_step
 from crashkit.misfit.noise import Noise, channel_noise
 from crashkit.misfit.problem import Misfit
 
-__all__ = ["Channel", "Group", "Misfit", "Noise", "channel_noise"]
+__all__ = ["Channel", "Group", "Misfit", "Noise", "channel_noise", "fine_step"]

@@ -4,15 +4,14 @@ import numpy as np
 from attrs import evolve
 
 from crashkit.misfit.channel import Channel, Group
-from crashkit.misfit.predictor import STEP
 from crashkit.misfit.thin import FILTER_MARGIN
 
 INSTANTS = 100
 """That a channel keeps, if it has as many."""
 FEWEST = 3
 """Samples in which a search can see anything."""
-COARSE_STEP = 4.0 * STEP
-"""s, longest step of the integration; a few instants do not deserve more."""
+COARSER = 4.0
+"""By how much steps of the integration are longer; a few instants do not deserve more."""
 
 
 def coarse_group(group: Group) -> Group:

@@ -10,7 +10,7 @@ from attrs import evolve, frozen
 
 from crashkit.mechanics import Engine, Simulator
 from crashkit.misfit.channel import Channel, Group, groups_of
-from crashkit.misfit.coarse import COARSE_STEP, coarse_group, early_group
+from crashkit.misfit.coarse import COARSER, coarse_group, early_group
 from crashkit.misfit.predictor import STEP, Prediction, Predictor
 from crashkit.misfit.rows import Rows, rows_of
 from crashkit.model import Model, Parameter
@@ -41,6 +41,7 @@ class Misfit:
         recordings: by run name.
         laws, observers: installed plugins by name.
         engine: a compiled engine that holds the model's laws; None compiles one.
+        step: s, longest step of the integration; see `fine_step`.
     """
 
     def __init__(
@@ -50,9 +51,10 @@ class Misfit:
         laws: Mapping[str, type[SpringLaw]],
         observers: Mapping[str, type[Observer]],
         engine: Engine | None = None,
+        step: float = STEP,
     ) -> None:
         groups = [group for run, tree in recordings.items() for group in groups_of(run, tree, observers, model)]
-        self._setup(model, recordings, groups, Simulator(model, laws, engine))
+        self._setup(model, recordings, groups, Simulator(model, laws, engine), step)
 
     def _setup(
         self,
@@ -68,7 +70,7 @@ class Misfit:
         self.recordings = recordings
         self.simulator = simulator
         self.groups = tuple(groups)
-        self._step = step
+        self.step = step
         free = model.free_parameters()
         self.names, self._free = tuple(free), tuple(free.values())
         self._log = np.array([parameter.lower > 0 for parameter in self._free], dtype=bool)
@@ -79,7 +81,7 @@ class Misfit:
     @cached_property
     def predictor(self) -> Predictor:
         """Of what the instruments would read; made when it is first asked: of many models only names and bounds are."""
-        return Predictor(self.model, self.recordings, self.groups, self.simulator, self._step)
+        return Predictor(self.model, self.recordings, self.groups, self.simulator, self.step)
 
     @cached_property
     def _rows(self) -> list[Rows]:
@@ -216,14 +218,21 @@ class Misfit:
         """The same misfit when its model's values are known to about `std`, of those that are searched in their logarithm."""
         centres = {n: p.value for n, p, log in zip(self.names, self._free, self._log, strict=True) if log}
         copy = object.__new__(Misfit)
-        copy._setup(self.model, self.recordings, self.groups, self.simulator, prior=Prior(centres, std))
+        copy._setup(self.model, self.recordings, self.groups, self.simulator, self.step, Prior(centres, std))
         return copy
 
     def with_recordings(self, runs: tuple[str, ...]) -> "Misfit":
         """The same misfit over some of the runs."""
         chosen = {run: self.recordings[run] for run in runs}
         copy = object.__new__(Misfit)
-        copy._setup(self.model, chosen, [g for g in self.groups if g.run in chosen], self.simulator, prior=self.prior)
+        groups = [group for group in self.groups if group.run in chosen]
+        copy._setup(self.model, chosen, groups, self.simulator, self.step, self.prior)
+        return copy
+
+    def with_step(self, step: float) -> "Misfit":
+        """The same misfit with another longest step of the integration, s."""
+        copy = object.__new__(Misfit)
+        copy._setup(self.model, self.recordings, self.groups, self.simulator, step, self.prior)
         return copy
 
     @cached_property
@@ -231,7 +240,7 @@ class Misfit:
         """The same at fewer instants and in longer steps of the integration, for first guesses."""
         copy = object.__new__(Misfit)
         groups = [coarse_group(group) for group in self.groups]
-        copy._setup(self.model, self.recordings, groups, self.simulator, COARSE_STEP, self.prior)
+        copy._setup(self.model, self.recordings, groups, self.simulator, COARSER * self.step, self.prior)
         return copy
 
     def up_to(self, share: float) -> "Misfit":
@@ -244,12 +253,12 @@ class Misfit:
         """The same instruments in tests with all initial velocities multiplied, to ask what such tests would show."""
         copy = object.__new__(Misfit)
         faster = {run: _faster(recording, factor) for run, recording in self.recordings.items()}
-        copy._setup(self.model, faster, list(self.groups), self.simulator)
+        copy._setup(self.model, faster, list(self.groups), self.simulator, self.step)
         return copy
 
     def _with(self, model: Model, groups: list[Group], simulator: Simulator | None = None) -> "Misfit":
         copy = object.__new__(Misfit)
-        copy._setup(model, self.recordings, groups, simulator or self.simulator, self._step, self.prior)
+        copy._setup(model, self.recordings, groups, simulator or self.simulator, self.step, self.prior)
         return copy
 
     def _residual(self, predictions: list[Prediction]) -> np.ndarray:
