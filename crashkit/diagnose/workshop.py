@@ -17,7 +17,7 @@ from crashkit.protocols import Hypothesis, Identifier, Observer, Smoother, Sprin
 
 @frozen
 class Workshop:
-    """The plugins by name, an identifier for every fit, one that looks everywhere for a first, the engine and its longest step."""
+    """The plugins by name, an identifier for every fit, one that looks everywhere for a first, the engine and its step, s."""
 
     laws: Mapping[str, type[SpringLaw]]
     observers: Mapping[str, type[Observer]]
