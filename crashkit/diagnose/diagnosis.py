@@ -26,6 +26,8 @@ UNEXPLAINED = 1.15
 INCOMPLETE = 0.3
 """Share of its probability with which a claim is told that leaves more: of five such claims about unseen cases one was
 right, of which Laplace's rule makes two sevenths. The evidence only compares what was tried."""
+SHARPENINGS = 2
+"""How often recordings are thinned anew in the light of what was fitted to them."""
 WORTH_TELLING = 1e-4
 ROUGHLY = 0.3
 """Relative deviation to which the numbers of a given model are believed while causes are compared. Without it a model could
@@ -55,20 +57,10 @@ def diagnose(
     equipped = evolve(equipped, step=fine_step(given))
     given = given.with_step(equipped.step)
     base = reidentify(equipped.identifier, equipped.finder, given)
-    given, base = _sharpened(equipped, recordings, given, base)
-    discovery = discover(equipped, given, base, progress)
+    base = _sharpened(equipped, model, recordings, base)
+    discovery = discover(equipped, base.misfit.with_values(given.values(given.start())), base, progress)
     progress("refining", 0.0)
     return _told(equipped, _refined(equipped, discovery, model, recordings), holdout)
-
-
-def _sharpened(
-    workshop: Workshop, recordings: Mapping[str, xr.DataTree], given: Misfit, base: Search
-) -> tuple[Misfit, Search]:
-    """The misfit and its best fit, to recordings that were thinned in the light of that fit."""
-    found = base.fitted()
-    thin = workshop.first_misfit(given.model, workshop.thinned(recordings, found.model)).with_prior(ROUGHLY)
-    sharp = _weighed_alike(thin, found)
-    return sharp, begin(workshop.identifier, sharp.with_values(found.values(found.start()))).advance(STEPS)
 
 
 def _refined(workshop: Workshop, discovery: Discovery, model: Model, recordings: Mapping[str, xr.DataTree]) -> Discovery:
@@ -77,13 +69,28 @@ def _refined(workshop: Workshop, discovery: Discovery, model: Model, recordings:
     What that fit can do without is not told. Numbers that the recordings do not see stay about where the user gave them.
     """
     workshop = workshop.equipped([discovery.base.model, discovery.final.model])
-    sharp = workshop.first_misfit(model, workshop.thinned(recordings, discovery.final.model))
-    thin = _weighed_alike(sharp, discovery.final).with_prior(ROUGHLY)
+    thin = _in_the_light_of(workshop, model, recordings, discovery.final)
     searches = [refine(workshop.identifier, workshop.misfit(thin, m.model)) for m in (discovery.base, discovery.final)]
     rounds, *searches = needed(workshop, discovery.rounds, *searches)
+    searches = [_sharpened(workshop, model, recordings, search) for search in searches]
     full = _weighed_alike(workshop.first_misfit(model, recordings), discovery.final)
     base, final = (workshop.misfit(full, search.fitted().model) for search in searches)
     return evolve(discovery, base=base, final=final, search=searches[1].unbelieving(), rounds=rounds)
+
+
+def _sharpened(workshop: Workshop, model: Model, recordings: Mapping[str, xr.DataTree], search: Search) -> Search:
+    """The fit to recordings that are thinned in its own light."""
+    for _ in range(SHARPENINGS):
+        found = search.fitted()
+        thin = _in_the_light_of(workshop, model, recordings, found)
+        search = begin(workshop.identifier, workshop.misfit(thin, found.model)).advance(STEPS)
+    return search
+
+
+def _in_the_light_of(workshop: Workshop, model: Model, recordings: Mapping[str, xr.DataTree], found: Misfit) -> Misfit:
+    """The given model's misfit to recordings that are thinned in the light of a fitted one, weighed alike."""
+    thin = workshop.first_misfit(model, workshop.thinned(recordings, found.model))
+    return _weighed_alike(thin, found).with_prior(ROUGHLY)
 
 
 def _told(workshop: Workshop, discovery: Discovery, holdout: Mapping[str, xr.DataTree]) -> Diagnosis:

@@ -17,33 +17,26 @@ MEMORY = 200
 """Samples after which such a filter has forgotten an impulse."""
 
 
-def thinned(
-    recording: xr.DataTree, quantities: Mapping[str, str], expected: Mapping[str, xr.DataArray] | None = None
-) -> xr.DataTree:
+def thinned(recording: xr.DataTree, quantities: Mapping[str, str]) -> xr.DataTree:
     """The recording with every fast, evenly sampled instrument brought to about `SEARCH_INTERVAL`.
 
     White channels are averaged over blocks centred on the samples that are kept, so that little is lost but what lies above
     the new rate; so are those whose filter is open, which then counts for their noise alone. Other filtered channels, whose
     neighbours tell the same, are thinned.
 
-    A mean rounds the corners of what it is taken of; so what a model expects is taken away before and put back behind.
-
     Arguments:
         recording: one test.
         quantities: the recorded variable by the value of a group's attribute `observer`.
-        expected: readings of every sensor, of those groups for which a model gives some.
     """
     changed = {
-        name: xr.DataTree(
-            _thin(group.to_dataset(inherit=False), quantities[str(group.attrs["observer"])], (expected or {}).get(name))
-        )
+        name: xr.DataTree(_thin(group.to_dataset(inherit=False), quantities[str(group.attrs["observer"])]))
         for name, group in recording.children.items()
         if str(group.attrs.get("observer")) in quantities
     }
     return recording.assign(changed)
 
 
-def _thin(instrument: xr.Dataset, quantity: str, expected: xr.DataArray | None) -> xr.Dataset:
+def _thin(instrument: xr.Dataset, quantity: str) -> xr.Dataset:
     times = instrument["time"].values
     steps = np.diff(times)
     interval = float(np.median(steps)) if len(steps) else SEARCH_INTERVAL
@@ -55,20 +48,16 @@ def _thin(instrument: xr.Dataset, quantity: str, expected: xr.DataArray | None) 
         return instrument
     if is_closed:
         return instrument.isel(time=slice(None, None, factor))
-    return _averaged(instrument, quantity, factor if factor % 2 else factor - 1, filter_class, expected)
+    return _averaged(instrument, quantity, factor if factor % 2 else factor - 1, filter_class)
 
 
-def _averaged(
-    instrument: xr.Dataset, quantity: str, factor: int, filter_class: int, expected: xr.DataArray | None
-) -> xr.Dataset:
+def _averaged(instrument: xr.Dataset, quantity: str, factor: int, filter_class: int) -> xr.Dataset:
     """Weighted means of odd blocks and their neighbours, which reach equally far to both sides of a kept sample."""
     weights = _weights(factor)
     half = len(weights) // 2
     kept = np.arange(half, instrument.sizes["time"] - half, factor)
     readings = instrument[quantity].transpose("time", ...)
-    known = np.zeros(readings.shape) if expected is None else expected.reindex_like(readings).fillna(0.0).values
-    rest = readings.values - known
-    means = known[kept] + np.sum([weight * rest[kept + shift - half] for shift, weight in enumerate(weights)], axis=0)
+    means = np.sum([weight * readings.values[kept + shift - half] for shift, weight in enumerate(weights)], axis=0)
     thin = instrument.isel(time=kept)
     thin[quantity] = (readings.dims, means, instrument[quantity].attrs)
     if f"{quantity}_std" in thin:

@@ -51,23 +51,6 @@ def test_a_parabola_goes_through_as_it_is(run, quantities, changed, interval):
     assert after["acceleration"].values.ravel() == pytest.approx(3.0 - 2e3 * times + 8e5 * times**2, rel=1e-9)
 
 
-def test_corners_that_a_model_expects_stay_sharp(run, quantities, changed):
-    """The noise on top of them is averaged as ever."""
-    before = run["accelerometer"].to_dataset(inherit=False)["acceleration"]
-    corner = before * 0.0 + 1e5 * np.abs(before["time"] - 0.05)
-    noise = np.random.default_rng(1).normal(0.0, 1.0, before.shape)
-
-    def thin(readings, **expected):
-        recorded = changed(run, "accelerometer", lambda dataset: dataset.assign(acceleration=readings))
-        return thinned(recorded, quantities, expected)["accelerometer"]["acceleration"]
-
-    known = thin(corner, accelerometer=corner)
-    assert known.values == pytest.approx(corner.sel(time=known["time"]).values)
-    assert np.abs(thin(corner) - known).max() > 1.0
-    left = thin(corner + noise, accelerometer=corner) - known
-    assert left.values == pytest.approx(thin(corner * 0.0 + noise).values)
-
-
 def test_the_given_recording_stays_as_it_was(run, quantities):
     before = run.copy(deep=True)
     thinned(run, quantities)
