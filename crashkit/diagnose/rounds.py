@@ -8,9 +8,10 @@ from attrs import evolve, field, frozen
 from crashkit.diagnose.aside import Suspect, suspects, without
 from crashkit.diagnose.contest import Progress, identity
 from crashkit.diagnose.name import FLOOR, Limit, Rival, again, best_forms, fit_rivals, probabilities, propose_all
+from crashkit.diagnose.rebuild import rebuild, without_winner
 from crashkit.diagnose.reidentify import reidentify
 from crashkit.diagnose.result import UNKNOWN, place_of
-from crashkit.diagnose.search import Search, begin
+from crashkit.diagnose.search import Search
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.model import Model
@@ -25,7 +26,8 @@ FORM_ERRORS = (0.005, 0.03)
 """Share of what was explained already that a second and a third finding must at least explain: the form of a law is never
 quite right, and a form that is wrong by 7 % of its effect leaves the first. Three effects at once are rare, two forms that are
 wrong are not."""
-STEPS = 60
+READINGS = 0.2
+"""How much of that a claim about one instrument must explain: the error of a form shows in all of them."""
 NEEDED = 100.0
 """Chi squared that the loss of a finding must cost for it to be plainly needed."""
 TIE = 10.0
@@ -47,8 +49,12 @@ class Round:
     @property
     def winner(self) -> Rival | None:
         """The rival that convinces, if one does."""
-        convincing = bool(self.rivals) and self.nothing < CHANCE and self.rivals[0].drop > self.least
-        return self.rivals[0] if convincing else None
+        if not self.rivals or self.nothing >= CHANCE:
+            return None
+        first = self.rivals[0]
+        is_of_readings = not {"sensor", "instrument"}.isdisjoint(first.proposal.location)
+        least = max(LEAST_DROP, READINGS * self.least) if is_of_readings else self.least
+        return first if first.drop > least else None
 
 
 @frozen
@@ -126,19 +132,12 @@ def _first_look(workshop: Workshop, given: Misfit, base_search: Search, progress
     look = _look(workshop, given, base_search.fitted(), [], progress)
     if look.winner is None:
         return base_search, look
-    better = _without(base_search, look.winner)
+    better = without_winner(base_search, look.winner)
     gained = base_search.deviance - better.deviance
     if gained < TIE:
         return base_search, look
     is_plain = look.winner.drop > gained + NEEDED
     return better, look if is_plain else _look(workshop, given, better.fitted(), [], progress)
-
-
-def _without(search: Search, winner: Rival) -> Search:
-    """The model without the winner from where that has moved its numbers: it may have won by leaving a local optimum."""
-    found = winner.search.misfit.values(winner.search.point)
-    own = {name: found[name] for name in search.misfit.names if name in found}
-    return begin(search.identifier, search.misfit.with_values(own)).advance(STEPS)
 
 
 def _named_before_unknown(workshop: Workshop, given: Misfit, look: Round, progress: Progress) -> tuple[list[Round], Round]:
@@ -255,26 +254,11 @@ def needed(
     kept = list(rounds)
     for look in rounds:
         others = [one for one in kept if one is not look]
-        base = min(base, _without(base, look.rivals[0]), key=lambda search: search.deviance)
+        base = min(base, without_winner(base, look.rivals[0]), key=lambda search: search.deviance)
         without = rebuild(workshop, base, [one.rivals[0] for one in others], final)
         if without is not None and without.deviance < final.deviance + LEAST_DROP:
             kept, final = others, without
     return tuple(kept), base, final
-
-
-def rebuild(workshop: Workshop, base_search: Search, rivals: Sequence[Rival], last: Search) -> Search | None:
-    """The given model with these findings, fitted, from the values that they were last given; None if one cannot be placed."""
-    search = base_search
-    for rival in rivals:
-        current = search.fitted()
-        proposal = next((p for p in propose_all(workshop.hypotheses, current) if _same(p, rival.proposal)), None)
-        if proposal is None:
-            return None
-        found = {**rival.search.misfit.values(rival.search.point), **last.misfit.values(last.point)}
-        misfit = workshop.equipped([proposal.model]).misfit(current, proposal.model)
-        start = {name: found[name] for name in misfit.names if name in found}
-        search = begin(workshop.identifier, misfit.with_values(start)).advance(STEPS)
-    return search
 
 
 def _as_given(current: Misfit, given: Misfit) -> Misfit:
@@ -290,10 +274,6 @@ def _is_given(model: Model, location: Mapping[str, object]) -> bool:
     return all(
         set(np.ravel(np.asarray(location[kind])).tolist()) <= known for kind, known in named.items() if kind in location
     )
-
-
-def _same(first: Proposal, second: Proposal) -> bool:
-    return identity(first) == identity(second) and first.form == second.form
 
 
 def run_drops(before: Misfit, after: Misfit) -> dict[str, float]:

@@ -105,3 +105,10 @@ def test_the_given_model_is_found_again_from_far_away(workshop, model, misfit, r
     given = misfit(far, slow=recorded(model, 0.9, 1), fast=recorded(model, 1.2, 2))
     search = reidentify(workshop.identifier, workshop.finder, given)
     assert search.normalised == pytest.approx(1.0, abs=0.05)
+
+
+@pytest.mark.parametrize(("place", "convinces"), [({"joint": "front"}, False), ({"sensor": "front", "instrument": "a"}, True)])
+def test_a_claim_about_one_instrument_need_not_explain_as_much_as_the_error_of_a_form(place, convinces):
+    rival = Rival(Proposal("any", "", place, None, (), {}), None, 500.0, 200.0)
+    assert (Round((rival,), (1.0,), 0.0, None, least=1000.0).winner is rival) == convinces
+    assert Round((rival,), (1.0,), 0.0, None, least=3000.0).winner is None

@@ -11,8 +11,8 @@ from crashkit_hypotheses.accused import Accused, accused, fault
 from crashkit_hypotheses.build import grid
 from crashkit_hypotheses.ringing import HIGHEST, LOWEST, ringing_frequencies
 
-UNCLIPPED = 100.0
-"""Limit, in largest readings, that no motion reaches."""
+UNCLIPPED = 1e4
+"""Limit, in largest readings, that no motion reaches, and towards which none bends."""
 
 
 LIMITS = {"limit": "saturation", "above": "saturation_above", "below": "saturation_below", "soft": "saturation_soft"}
