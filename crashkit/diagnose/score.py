@@ -43,7 +43,9 @@ def score(proposal: Proposal, start: dict[str, float], misfit: Misfit, reference
         residual, jacobian = misfit.residual_and_jacobian(point)
     except SimulationError:
         return None
-    if not (np.isfinite(residual).all() and np.isfinite(jacobian).all()):
+    with np.errstate(over="ignore"):
+        is_sound = np.isfinite(np.sum(residual**2)) and np.isfinite(np.sum(jacobian**2))
+    if not is_sound:
         return None
     new = np.array([name in proposal.parameters for name in misfit.names])
     size = np.abs(misfit.parameters(point)) / misfit.scaling(point)

@@ -7,6 +7,7 @@ from attrs import evolve, frozen
 from crashkit.diagnose.name import Rival, best_forms, probabilities
 from crashkit.diagnose.score import score
 from crashkit.diagnose.search import begin
+from crashkit.misfit import Misfit
 from crashkit.model import Parameter
 from crashkit.protocols import Proposal
 
@@ -111,3 +112,18 @@ def test_what_the_models_own_parameters_imitate_shows_less(workshop, model, reco
     rigid, free = (misfit(one, run=run) for one in (fixed(model), model))
     alone, hidden = (scored(workshop, base, bias_of(workshop, base)).deviation for base in (rigid, free))
     assert hidden > 1.005 * alone
+
+
+@pytest.mark.parametrize("huge", [1e200, np.inf, np.nan])
+def test_what_blows_up_promises_nothing(workshop, model, recorded, misfit, monkeypatch, huge):
+    base = misfit(model, run=recorded(model, accelerometer=offset(0.7)))
+    bias = bias_of(workshop, base)
+    sound = Misfit.residual_and_jacobian
+
+    def blown_up(self, scaled):
+        residual, jacobian = sound(self, scaled)
+        jacobian[0, 0] = huge
+        return residual, jacobian
+
+    monkeypatch.setattr(Misfit, "residual_and_jacobian", blown_up)
+    assert scored(workshop, base, bias) is None
