@@ -103,7 +103,7 @@ def _told(workshop: Workshop, discovery: Discovery, holdout: Mapping[str, xr.Dat
     findings, missing = _findings(equipped, discovery, result, unseen, 1.0 if explains else INCOMPLETE)
     verdict = _verdict(findings, explains)
     consistency = check_instruments(_by_run(base))
-    identified = identified_table(discovery, result, units_of(final.model, workshop))
+    identified = identified_table(discovery, result, units_of(final.model, final.groups, workshop))
     detectable = limits_table(workshop, discovery)
     return Diagnosis(
         verdict=verdict,
@@ -136,7 +136,7 @@ def _compared(base: Misfit, final: Misfit, unseen: tuple[Misfit, ...]) -> tuple[
 def _findings(
     workshop: Workshop, discovery: Discovery, identified: Identification, unseen: tuple[Misfit, ...], belief: float
 ) -> tuple[tuple[Finding, ...], xr.DataTree]:
-    units = units_of(discovery.final.model, workshop)
+    units = units_of(discovery.final.model, discovery.final.groups, workshop)
     told: list[tuple[Finding, dict[str, xr.Dataset]]] = []
     for look in discovery.rounds:
         rival = look.rivals[0]

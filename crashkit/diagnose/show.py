@@ -1,6 +1,6 @@
 """The tables and curves behind a diagnosis."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -13,7 +13,7 @@ from crashkit.diagnose.result import place_of
 from crashkit.diagnose.rounds import Discovery
 from crashkit.diagnose.workshop import Workshop
 from crashkit.mechanics.along import forces_along
-from crashkit.misfit import Misfit
+from crashkit.misfit import Group, Misfit
 from crashkit.model import Model
 from crashkit.protocols import Identification, ParameterSpec, Proposal
 
@@ -49,15 +49,17 @@ def ranking_table(discovery: Discovery) -> xr.Dataset:
 def limits_table(workshop: Workshop, discovery: Discovery) -> xr.Dataset:
     """Of every claim that was not made, the smallest effect that the recordings would have shown."""
     limits = [one for one in (discovery.last.limits if discovery.last else ()) if np.isfinite(one.smallest)]
-    rows = [_limit_row(workshop, one.proposal, one.smallest) for one in limits]
+    rows = [_limit_row(workshop, discovery.final.groups, one.proposal, one.smallest) for one in limits]
     names = ("physics", "form", "place", "parameter", "smallest", "units")
     columns = list(zip(*rows, strict=True)) if rows else [()] * len(names)
     return xr.Dataset({name: ("effect", np.array(column)) for name, column in zip(names, columns, strict=True)})
 
 
-def _limit_row(workshop: Workshop, proposal: Proposal, smallest: float) -> tuple[str, str, str, str, float, str]:
+def _limit_row(
+    workshop: Workshop, groups: Sequence[Group], proposal: Proposal, smallest: float
+) -> tuple[str, str, str, str, float, str]:
     path = proposal.parameters[0]
-    unit = units_of(proposal.model, workshop).get(path, "")
+    unit = units_of(proposal.model, groups, workshop).get(path, "")
     return proposal.physics, proposal.form, place_of(proposal.location), path.rsplit(".", 1)[-1], smallest, unit
 
 
@@ -72,15 +74,16 @@ def identified_table(discovery: Discovery, result: Identification, units: Mappin
     )
 
 
-def units_of(model: Model, workshop: Workshop) -> dict[str, str]:
-    """The unit of every parameter, by path."""
+def units_of(model: Model, groups: Iterable[Group], workshop: Workshop) -> dict[str, str]:
+    """The unit of every parameter, by path; those of an error depend on the instrument, one of the groups."""
     units = {f"body.{body.name}.mass": "kg" for body in model.bodies}
     for joint in model.joints:
         units[f"joint.{joint.name}.free_length"] = "m"
         for law in (workshop.laws[name] for name in (joint.law, *joint.factors)):
             units |= {f"joint.{joint.name}.{spec.name}": spec.unit for spec in law.parameters}
-    specs = [spec for observer in workshop.observers.values() for spec in observer.errors]
+    errors = {group.name: group.observer.errors for group in groups}
     for entry in model.instruments:
+        specs = errors.get(entry.instrument, ())
         prefix = f"instrument.{entry.instrument}.{entry.sensor}."
         units |= {prefix + name: _unit(specs, name) for name in entry.parameters}
     return {path: units.get(path.split("[")[0], "") for path in model.parameters()}
@@ -172,5 +175,5 @@ def _direction(model: Model, bodies: tuple[str, str]) -> float:
     return -1.0 if second >= first else 1.0
 
 
-def _unit(specs: list[ParameterSpec], name: str) -> str:
+def _unit(specs: Sequence[ParameterSpec], name: str) -> str:
     return next((spec.unit for spec in specs if spec.name == name), "")
