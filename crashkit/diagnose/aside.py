@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import xarray as xr
 from attrs import frozen
 
-from crashkit.diagnose.consistency import SIGNIFICANT, check_instruments
+from crashkit.diagnose.consistency import SIGNIFICANT, by_run, check_instruments
 from crashkit.misfit import Misfit
 from crashkit.model import Model
 from crashkit.protocols import Proposal
@@ -40,8 +40,7 @@ class Suspect:
 
 def suspects(misfit: Misfit) -> tuple[Suspect, ...]:
     """The accelerometers that contradict a film by kinematics alone; not where the clock of either explains it best."""
-    groups = {run: [group for group in misfit.groups if group.run == run] for run in misfit.recordings}
-    checks = check_instruments(groups).to_dataframe()
+    checks = check_instruments(by_run(misfit)).to_dataframe()
     worst = checks.sort_values("sigma").groupby(["body", "accelerometer"]).tail(1)
     accused = worst[(worst["sigma"] > SIGNIFICANT) & (worst["error"] != CLOCK)]
     return tuple(_suspect(misfit, str(row.body), str(row.accelerometer)) for row in accused.itertuples())

@@ -7,7 +7,7 @@ import xarray as xr
 from attrs import frozen
 from scipy.linalg import solve_triangular
 
-from crashkit.misfit import Group
+from crashkit.misfit import Group, Misfit
 
 SIGNIFICANT = 5.0
 """Sigma from which a check is reported as inconsistent."""
@@ -45,6 +45,11 @@ def check_instruments(groups: Mapping[str, list[Group]]) -> xr.Dataset:
     names = ("sentence", "place", "body", "accelerometer", "error", "estimate", "std", "sigma")
     columns = zip(*rows, strict=True) if rows else ((),) * len(names)
     return xr.Dataset({name: ("check", np.array(column)) for name, column in zip(names, columns, strict=True)})
+
+
+def by_run(misfit: Misfit) -> dict[str, list[Group]]:
+    """The instruments of each run."""
+    return {run: [group for group in misfit.groups if group.run == run] for run in misfit.recordings}
 
 
 def _comparisons(instruments: list[Group]) -> Iterator[Comparison]:

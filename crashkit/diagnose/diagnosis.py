@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import xarray as xr
 from attrs import evolve
 
-from crashkit.diagnose.consistency import check_instruments
+from crashkit.diagnose.consistency import by_run, check_instruments
 from crashkit.diagnose.contest import Progress
 from crashkit.diagnose.finding import estimates, experiment, make_finding, stand_ins, with_experiment
 from crashkit.diagnose.fits import curves_of, fit_of, predict
@@ -17,15 +17,15 @@ from crashkit.diagnose.search import Search, begin
 from crashkit.diagnose.show import action_of, identified_table, limits_table, missing_force_tree, ranking_table, units_of
 from crashkit.diagnose.words import noted, summarise
 from crashkit.diagnose.workshop import Workshop
-from crashkit.misfit import Group, Misfit, fine_step
+from crashkit.misfit import Misfit, fine_step
 from crashkit.model import Model
 from crashkit.protocols import Identification
 
 UNEXPLAINED = 1.15
 """Normalised residual above which a model is not called consistent, and a finding not the whole explanation."""
 INCOMPLETE = 0.3
-"""Share of its probability with which a claim is told that leaves more: of five such claims about unseen cases one was
-right, of which Laplace's rule makes two sevenths. The evidence only compares what was tried."""
+"""Share of its probability with which a claim is told that leaves more: of eight such diagnoses of unseen cases two were right,
+of which Laplace's rule makes three tenths. The evidence only compares what was tried."""
 SHARPENINGS = 2
 """How often recordings are thinned anew in the light of what was fitted to them."""
 WORTH_TELLING = 1e-4
@@ -102,7 +102,7 @@ def _told(workshop: Workshop, discovery: Discovery, holdout: Mapping[str, xr.Dat
     explains = not _leaves_something(fits["calibration"]["after"], final)
     findings, missing = _findings(equipped, discovery, result, unseen, 1.0 if explains else INCOMPLETE)
     verdict = _verdict(findings, explains)
-    consistency = check_instruments(_by_run(base))
+    consistency = check_instruments(by_run(base))
     identified = identified_table(discovery, result, units_of(final.model, final.groups, workshop))
     detectable = limits_table(workshop, discovery)
     return Diagnosis(
@@ -199,10 +199,6 @@ def _verdict(findings: tuple[Finding, ...], explains: bool) -> str:
 def _leaves_something(after: Fit, final: Misfit) -> bool:
     """Whether the final model stays above a noise that is known."""
     return all(channel.noise.trusted for channel in final.channels) and after.normalised_rmse > UNEXPLAINED
-
-
-def _by_run(misfit: Misfit) -> dict[str, list[Group]]:
-    return {run: [group for group in misfit.groups if group.run == run] for run in misfit.recordings}
 
 
 def _weighed_alike(unseen: Misfit, base: Misfit) -> Misfit:

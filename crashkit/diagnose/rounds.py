@@ -98,19 +98,22 @@ def _beside(
     structure = _discovered(workshop, rest, reidentify(workshop.identifier, workshop.finder, rest), progress)
     rounds = list(structure.rounds)
     search = rebuild(workshop, base_search, [look.rivals[0] for look in rounds], structure.search)
+    if search is None:
+        return None
     seen = structure.search.misfit.values(structure.search.point)
     unbent = given.with_values({name: seen[name] for name in given.names if name in seen})
     for suspect in set_aside:
         found = [look.rivals[0] for look in rounds]
-        look = _look(workshop, unbent, search.fitted(), found, progress, suspect.concerns) if search else None
-        if look is None or look.winner is None:
+        look = _look(workshop, unbent, search.fitted(), found, progress, suspect.concerns)
+        if look.winner is None:
             return None
         rounds.append(_settled(workshop, unbent, look, look.winner, progress))
         search = rounds[-1].rivals[0].search
-    return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds)) if search else None
+    return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds))
 
 
 def _discovered(workshop: Workshop, given: Misfit, base_search: Search, progress: Progress) -> Discovery:
+    """Round after round, with everything in sight."""
     base_search, look = _first_look(workshop, given, base_search, progress)
     rounds, look = _named_before_unknown(workshop, given, look, progress)
     search = base_search
