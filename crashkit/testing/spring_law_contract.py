@@ -166,7 +166,8 @@ class SpringLawContract:
 
     def test_a_factor_is_one_where_its_physics_is_absent(self, law: type[SpringLaw], probe: Probe) -> None:
         if law.unit == "1":
-            null = {spec.name: spec.null for spec in law.parameters if spec.null is not None}
+            nulls = {spec.name: spec.null for spec in law.parameters if spec.null is not None}
+            null = {name: _like(probe.parameters.get(name), value) for name, value in nulls.items()}
             assert null, f"{law.name} is a factor: expected a parameter with a null, at which it is 1"
             function = probe.function("force", {**probe.parameters, **null})
             for point in probe.points():
@@ -226,6 +227,11 @@ class SpringLawContract:
                 compile_own(one.function, next(probe.points()), one.vector)
             except CrashkitError as error:
                 pytest.fail(str(error))
+
+
+def _like(parameter: object, value: float) -> float | list[float]:
+    """The value, or a list of it where the parameter is one."""
+    return [value] * len(parameter) if isinstance(parameter, list | tuple | np.ndarray) else value
 
 
 def _undeclared(law: type[SpringLaw]) -> str:

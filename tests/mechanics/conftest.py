@@ -10,7 +10,7 @@ from crashkit.mechanics import Engine, LawFunction, Simulator, compile_engine
 from crashkit.model import Body, GivenForce, GivenMotion, Joint, Model, Parameter
 from crashkit_spring_laws import SPRING_LAWS
 
-SIZES = {"piecewise_affine": (3, 3), "measured_curve": (4, 4), "smooth_table": (4,), "rate_table": (4,)}
+SIZES = {"piecewise_affine": (3, 3), "measured_curve": (4, 4)}
 SEVERAL_AXES = ("crush_plateau", "viscous", "linear_stop", "tension_spring", "rate_linear", "brittle", "maxwell")
 PLATEAU = {
     "elastic_stiffness": 1.2,

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from attrs import evolve
 from scipy.integrate import solve_ivp
+from scipy.special import erf
 
 from crashkit.mechanics import Simulator
 from crashkit.model import Body, Joint, Model, Parameter
@@ -253,3 +254,15 @@ def test_bristles_bend_back_before_they_slip_the_other_way(against_wall, simulat
     expected = (1.0 + z[turn]) * np.exp(-way / BRISTLES["bristle_length"]) - 1.0
     assert way[-1] > 0.3
     np.testing.assert_allclose(z[turn:], expected[turn:], atol=1e-4)
+
+
+def test_a_force_of_the_time_changes_the_momentum_by_its_impulse(simulator, against_wall):
+    """Each bump's impulse is half of its height times its width times sqrt(pi), between the values of erf at its ends."""
+    heights, duration = [0.2, -0.1, 0.3, 0.05], 2.0
+    pushed = against_wall("time_table", {"heights": heights, "duration": duration}, mass=MASS, speed=-SPEED)
+    times = np.linspace(0.0, duration, 9)
+    motion = simulator(pushed).run(times, step=STEP)
+    apart, wide = duration / len(heights), 0.8 * duration / len(heights)
+    ends = [(erf((times - (i + 0.5) * apart) / wide) + erf((i + 0.5) * apart / wide)) for i in range(len(heights))]
+    impulse = 0.5 * np.sqrt(np.pi) * wide * np.array(heights) @ np.array(ends)
+    np.testing.assert_allclose(motion["deformation_rate"].values[:, 0], -SPEED - impulse / MASS, atol=1e-9)

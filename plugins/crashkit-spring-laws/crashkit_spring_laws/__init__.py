@@ -12,7 +12,7 @@ from crashkit_spring_laws.piecewise_affine import PiecewiseAffine
 from crashkit_spring_laws.rate_factors import RateLinear, RateLogarithm, RatePower
 from crashkit_spring_laws.relaxation import Maxwell
 from crashkit_spring_laws.stops import CrushStop, LinearStop, QuadraticStop, TensionSpring
-from crashkit_spring_laws.tables import RateTable, SmoothTable
+from crashkit_spring_laws.tables import RateCurve, RateTable, SmoothTable, TimeTable
 from crashkit_spring_laws.tie import Tie
 
 SPRING_LAWS = (
@@ -43,6 +43,8 @@ SPRING_LAWS = (
     Fading,
     SmoothTable,
     RateTable,
+    TimeTable,
+    RateCurve,
 )
 
 __all__ = [
@@ -62,6 +64,7 @@ __all__ = [
     "Peak",
     "PiecewiseAffine",
     "QuadraticStop",
+    "RateCurve",
     "RateLinear",
     "RateLogarithm",
     "RatePower",
@@ -71,6 +74,7 @@ __all__ = [
     "Tear",
     "TensionSpring",
     "Tie",
+    "TimeTable",
     "UnloadingLoss",
     "Viscous",
     "ViscousPower",

@@ -30,9 +30,10 @@ class Peak(SpringLaw):
 
 
 class Folding(SpringLaw):
-    """Folds that form one after another: A sin(2 pi x / fold_length) with x = d_max - onset, 0 before the onset.
+    """Folds that form one after another: A sin(w + skew sin w + arch (cos w - 1)), 0 before the onset.
 
-    It depends on the largest deformation, and is released to 0 along the steepest slope of a fold, 2 pi A / fold_length.
+    w = 2 pi t (1 + shortening t) with t = max(0, d_max - onset) / fold_length. It depends on the largest deformation, and is
+    released to 0 along a slope that no fold exceeds, (1 + |skew| + arch) A dw/dd_max.
     """
 
     name = "folding"
@@ -40,12 +41,29 @@ class Folding(SpringLaw):
         ParameterSpec("amplitude", "N", "force above and below the plateau (A)", lower=0.0, null=0.0),
         ParameterSpec("fold_length", "m", "deformation from fold to fold", lower=1e-3),
         ParameterSpec("onset", "m", "deformation at which the first fold begins", lower=0.0, default=0.0),
+        ParameterSpec("skew", "1", "of a fold: above 0 it rises faster than it falls", -0.95, 0.95, default=0.0, null=0.0),
+        ParameterSpec(
+            "arch", "1", "of a fold: above 0 its crests are wide, its troughs narrow", 0.0, 0.95, default=0.0, null=0.0
+        ),
+        ParameterSpec("shortening", "1", "of the folds: the share by which each is shorter", 0.0, 0.5, default=0.0, null=0.0),
     )
 
     @staticmethod
-    def force(d: float, ddot: float, d_max: float, amplitude: float, fold_length: float, onset: float) -> float:
+    def force(
+        d: float,
+        ddot: float,
+        d_max: float,
+        amplitude: float,
+        fold_length: float,
+        onset: float,
+        skew: float,
+        arch: float,
+        shortening: float,
+    ) -> float:
         """The force, N, compression positive."""
-        wave_number = 2.0 * math.pi / fold_length
-        crest = math.sin(wave_number * max(0.0, d_max - onset))
-        release = wave_number * (d_max - d)
+        turns = max(0.0, d_max - onset) / fold_length
+        phase = 2.0 * math.pi * turns * (1.0 + shortening * turns)
+        crest = math.sin(phase + skew * math.sin(phase) + arch * (math.cos(phase) - 1.0))
+        steepest = (1.0 + max(skew, -skew) + arch) * (1.0 + 2.0 * shortening * turns)
+        release = 2.0 * math.pi / fold_length * steepest * (d_max - d)
         return amplitude * (max(0.0, crest - release) + min(0.0, crest + release))

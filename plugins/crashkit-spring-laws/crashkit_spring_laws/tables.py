@@ -73,3 +73,57 @@ class RateTable(SpringLaw):
         for i, height in enumerate(heights):
             total = total + height * math.exp(-(((place - i - 0.5) / WIDTH) ** 2))
         return total * min(1.0, max(0.0, d) / engagement)
+
+
+class TimeTable(SpringLaw):
+    """A smooth force of the time alone, in contact or not: bumps at even distances over the duration of a run.
+
+    F = sum_i heights[i] exp(-((n t / duration - i - 1/2) / 0.8)^2), beyond the duration as at its end.
+    """
+
+    name = "time_table"
+    memory = "time_passed"
+    passive = False
+    parameters = (
+        HEIGHTS,
+        ParameterSpec("duration", "s", "time that the bumps cover", lower=1e-6, free=False),
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, time_passed: float, heights: list[float], duration: float) -> float:
+        """The force, N, compression positive."""
+        place = min(max(0.0, time_passed) / duration, 1.0) * len(heights)
+        total = 0.0
+        for i, height in enumerate(heights):
+            total = total + height * math.exp(-(((place - i - 0.5) / WIDTH) ** 2))
+        return total
+
+    @staticmethod
+    def memory_rate(d: float, ddot: float, d_max: float, time_passed: float, heights: list[float], duration: float) -> float:
+        """How fast time passes, 1."""
+        return 1.0
+
+
+class RateCurve(SpringLaw):
+    """A smooth factor of the rate: 1 + bumps at even distances between -rate_reach and rate_reach.
+
+    1 + sum_i rate_heights[i] exp(-((n (ddot / rate_reach + 1) / 2 - i - 1/2) / 0.8)^2), beyond -rate_reach and rate_reach as
+    there, and never below 0.
+    """
+
+    name = "rate_curve"
+    unit = "1"
+    passive = False
+    parameters = (
+        ParameterSpec("rate_heights", "1", "relative heights of the bumps, of either sign", vector=True, null=0.0),
+        ParameterSpec("rate_reach", "m s-1", "rate that the bumps cover, either way", lower=1e-6, free=False),
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, rate_heights: list[float], rate_reach: float) -> float:
+        """The factor."""
+        place = min(max(ddot / rate_reach + 1.0, 0.0) / 2.0, 1.0) * len(rate_heights)
+        total = 1.0
+        for i, height in enumerate(rate_heights):
+            total = total + height * math.exp(-(((place - i - 0.5) / WIDTH) ** 2))
+        return max(0.0, total)

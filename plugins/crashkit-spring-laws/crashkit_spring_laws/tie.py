@@ -11,7 +11,8 @@ class Tie(SpringLaw):
 
     A tie in compression may yield, as a belt does: then its spring force is at most `yield_force`, and it falls along
     `unloading_stiffness` from the largest compression on. The dashpot sets in over the first millimetre beyond the slack, so
-    that the force is continuous; one that would pull on a tie in compression, or push on one in tension, is let go.
+    that the force is continuous; one that would pull on a tie in compression, or push on one in tension, is let go, unless it
+    `holds`.
     """
 
     name = "tie"
@@ -30,6 +31,16 @@ class Tie(SpringLaw):
             default=0.0,
             null=0.0,
         ),
+        ParameterSpec(
+            "holds",
+            "1",
+            "1 where the dashpot stays attached on the way back, 0 where it is let go",
+            0.0,
+            1.0,
+            default=0.0,
+            free=False,
+            null=0.0,
+        ),
     )
 
     @staticmethod
@@ -42,12 +53,15 @@ class Tie(SpringLaw):
         slack: float,
         yield_force: float,
         unloading_stiffness: float,
+        holds: float,
     ) -> float:
         """The force, N, compression positive."""
         if d >= 0.0:
             turn = d_max if unloading_stiffness > 0.0 else d
             spring = min(yield_force, stiffness * max(0.0, turn - slack)) - unloading_stiffness * (turn - d)
             engaged = min(1.0, max(0.0, d - slack) / 1e-3)
-            return max(0.0, max(0.0, spring) + damping * ddot * engaged)
+            total = max(0.0, spring) + damping * ddot * engaged
+            return total if holds > 0.0 else max(0.0, total)
         beyond = max(0.0, -d - slack)
-        return min(0.0, damping * ddot * min(1.0, beyond / 1e-3) - stiffness * beyond)
+        total = damping * ddot * min(1.0, beyond / 1e-3) - stiffness * beyond
+        return total if holds > 0.0 else min(0.0, total)

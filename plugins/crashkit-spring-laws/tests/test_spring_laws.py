@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -25,6 +26,7 @@ from crashkit_spring_laws import (
     Peak,
     PiecewiseAffine,
     QuadraticStop,
+    RateCurve,
     RateLinear,
     RateLogarithm,
     RatePower,
@@ -34,6 +36,7 @@ from crashkit_spring_laws import (
     Tear,
     TensionSpring,
     Tie,
+    TimeTable,
     UnloadingLoss,
     Viscous,
     ViscousPower,
@@ -73,8 +76,10 @@ EXAMPLES = [
     (Peak, {"peak_force": 5e4, "peak_deformation": 0.1}),
     (Peak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_sharpness": 8.0}),
     (Folding, {"amplitude": 2e4, "fold_length": 0.3, "onset": 0.2}),
+    (Folding, {"amplitude": 2e4, "fold_length": 0.2, "skew": 0.9, "arch": 0.4, "shortening": 0.1}),
     (SmoothTable, {"heights": [1e4, -2e4, 3e4], "reach": 0.6}),
     (RateTable, {"heights": [-1e4, 0.0, 2e4, 3e4], "reach": 10.0}),
+    (RateCurve, {"rate_heights": [-0.4, 0.0, 0.2, 0.1], "rate_reach": 10.0}),
     (MeasuredCurve, MEASURED),
     (MeasuredCurve, MEASURED | {"unloading_stiffness": 2e6, "clearance": 0.1}),
     (BoucWen, {"stiffness": 1e6, "yield_force": 5e4}),
@@ -90,6 +95,7 @@ EXAMPLES = [
     (Softening, {"softening_deformation": 0.3, "softening_length": 0.2, "loss": 0.7}),
     (Fading, {"fading_share": 0.6, "relaxation_time": 0.02}),
     (Tie, {"stiffness": 1e6, "damping": 2e3, "slack": 0.05}),
+    (Tie, {"stiffness": 1e6, "damping": 2e3, "slack": 0.05, "holds": 1.0}),
 ]
 
 
@@ -108,6 +114,18 @@ class TestSpringLaws(SpringLawContract):
         return example[1]
 
 
+class TestForceOfTheTime(SpringLawContract):
+    preload = True
+
+    @pytest.fixture
+    def law(self):
+        return TimeTable
+
+    @pytest.fixture
+    def parameters(self):
+        return {"heights": [1e4, -2e4, 3e4], "duration": 0.2}
+
+
 class TestForceAtNoDeformation(SpringLawContract):
     """A force that rises within 0.1 mm is followed in small steps."""
 
@@ -123,7 +141,7 @@ class TestForceAtNoDeformation(SpringLawContract):
 
 
 def test_every_law_is_tested():
-    assert {law for law, _ in EXAMPLES} == set(SPRING_LAWS)
+    assert {law for law, _ in EXAMPLES} | {TimeTable} == set(SPRING_LAWS)
 
 
 def value(law, d, ddot=0.0, d_max=None, **parameters):
@@ -246,6 +264,22 @@ def test_folding_swings_about_nothing_and_lets_go():
     assert value(Folding, 0.1, d_max=0.15, **shape) == 0.0
 
 
+def test_folds_have_a_shape():
+    folds = {"amplitude": 1.0, "fold_length": 0.2}
+    x = np.linspace(0.0, 0.2, 2001)
+
+    def crest(**shape):
+        return 1e-4 * np.argmax([value(Folding, d, **folds, **shape) for d in x])
+
+    assert crest() == pytest.approx(0.05, abs=1e-4)
+    assert crest(skew=0.9) < 0.03 and crest(skew=-0.9) > 0.07
+    above = [np.mean([value(Folding, d, **folds, arch=arch) > -0.5 for d in x]) for arch in (0.0, 0.3, 0.6)]
+    assert above == sorted(above) and above[2] > above[0] + 0.05
+    shorter = [value(Folding, d, **folds, shortening=0.1) for d in np.linspace(0.0, 1.0, 10001)]
+    crossings = 1e-4 * np.flatnonzero(np.diff(np.signbit(shorter)))
+    assert np.all(np.diff(np.diff(crossings)) < 0.0)
+
+
 def test_tables():
     """Each bump stands alone in its middle but for exp(-1 / 0.64) of its neighbours."""
     share = math.exp(-1.0 / 0.64)
@@ -256,6 +290,16 @@ def test_tables():
     forces = [value(RateTable, 0.1, ddot=rate, **rates) for rate in (-5.0, 5.0)]
     assert forces == pytest.approx([-1e4 + 2e4 * share, -1e4 * share + 2e4])
     assert value(RateTable, 0.0, ddot=5.0, **rates) == 0.0
+    factors = [value(RateCurve, 0.1, ddot=rate, rate_heights=[-0.1, 0.2], rate_reach=10.0) for rate in (-5.0, 5.0)]
+    assert factors == pytest.approx([0.9 + 0.2 * share, 1.2 - 0.1 * share])
+    assert value(RateCurve, 0.1, ddot=5.0, rate_heights=[0.0, -2.0], rate_reach=10.0) == 0.0
+
+
+def test_a_force_of_the_time_acts_whether_or_not_there_is_contact():
+    table = {"heights": [1e4, -2e4], "duration": 0.2}
+    forces = [TimeTable.force(d, 0.0, max(d, 0.0), 0.05, **table) for d in (-0.1, 0.0, 0.3)]
+    assert forces == pytest.approx([1e4 - 2e4 * math.exp(-1.0 / 0.64)] * 3)
+    assert TimeTable.memory_rate(0.1, 2.0, 0.1, 0.05, **table) == 1.0
 
 
 def test_a_table_is_unloaded_over_a_length_and_reloaded_along_it():
