@@ -5,12 +5,10 @@ from typing import ClassVar
 
 import numpy as np
 import xarray as xr
-from attrs import evolve
 
-from crashkit.model import Body, Joint, Model, Parameter
-from crashkit.model.edit import fresh_name, with_joint
+from crashkit.model import Body, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import proposal
+from crashkit_hypotheses.build import forces_recorded, grounded, proposal
 from crashkit_hypotheses.parallel_forces import falling
 
 
@@ -23,7 +21,7 @@ class AddedMass(Hypothesis):
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every moving body whose mass is not identified already, if something fixes the scale of forces."""
         moving = [(body, body.mass.value) for body in model.bodies if body.mass is not None and body.mass.fixed]
-        if len(moving) < 2 and not _forces_recorded(recordings):
+        if len(moving) < 2 and not forces_recorded(recordings):
             return []
         return [self._heavier(model, body, mass) for body, mass in moving]
 
@@ -47,23 +45,8 @@ class GroundFriction(Hypothesis):
             "falling": falling(max(float(np.nanmax(np.abs(one["velocity"].values))) for one in motion)),
         }
         braked = [body for body in model.bodies if body.mass is not None and not body.carrier]
-        return [self._braked(model, body, form, friction) for body in braked for form, friction in forms.items()]
-
-    def _braked(self, model: Model, body: Body, form: str, friction: dict[str, Parameter]) -> Proposal:
-        ground = Body(
-            fresh_name("ground", (b.name for b in model.bodies)), _ahead(body), (0.0,) * len(body.position), fixed=True
-        )
-        grounded = evolve(model, bodies=(*model.bodies, ground))
-        name = fresh_name(f"{body.name}_friction", (joint.name for joint in model.joints))
-        augmented = with_joint(grounded, Joint(name, (ground.name, body.name), "coulomb", friction))
-        prefix = f"joint.{name}."
-        return proposal(self.physics, form, {"body": body.name}, augmented, prefix, friction, "friction_force", ({},))
-
-
-def _ahead(body: Body) -> tuple[float, ...]:
-    """A point in the direction of travel, so that driving on counts as compression."""
-    return tuple(x + (100.0 if v >= 0 else -100.0) for x, v in zip(body.position, body.velocity, strict=True))
-
-
-def _forces_recorded(recordings: Sequence[xr.DataTree]) -> bool:
-    return any("force" in group.data_vars for recording in recordings for group in recording.children.values())
+        return [
+            grounded(model, body, self.physics, form, "coulomb", friction, "friction_force")
+            for body in braked
+            for form, friction in forms.items()
+        ]

@@ -87,6 +87,24 @@ def multiplied(
     return proposal(physics, form, {"joint": joint.name}, augmented, prefix, parameters, amplitude, starts)
 
 
+def grounded(
+    model: Model,
+    body: Body,
+    physics: str,
+    form: str,
+    law: str,
+    parameters: Mapping[str, Parameter | tuple[Parameter, ...]],
+    amplitude: str,
+) -> Proposal:
+    """A force on a body that nothing else feels: a joint to a fixed body of its own, compressed by driving on."""
+    ground = Body(fresh_name("ground", (b.name for b in model.bodies)), _ahead(body), (0.0,) * len(body.position), fixed=True)
+    name = fresh_name(f"{body.name}_{physics}", (joint.name for joint in model.joints))
+    augmented = with_joint(
+        evolve(model, bodies=(*model.bodies, ground)), Joint(name, (ground.name, body.name), law, dict(parameters))
+    )
+    return proposal(physics, form, {"body": body.name}, augmented, f"joint.{name}.", parameters, amplitude, ({},))
+
+
 def proposal(
     physics: str,
     form: str,
@@ -161,6 +179,11 @@ def _approach(separation: xr.DataArray) -> float:
     return float(distance[0] - distance.min())
 
 
+def forces_recorded(recordings: Sequence[xr.DataTree]) -> bool:
+    """Whether a load cell is among the instruments."""
+    return any("force" in group.data_vars for recording in recordings for group in recording.children.values())
+
+
 def sampling_interval(recordings: Sequence[xr.DataTree]) -> float:
     """s, of the fastest instrument; 1 ms where there is none."""
     groups = [group.to_dataset(inherit=False) for recording in recordings for group in recording.children.values()]
@@ -179,6 +202,11 @@ def forward(model: Model, body: Body) -> tuple[float, ...] | None:
         return None
     speed = float(np.linalg.norm(body.velocity))
     return tuple(v / speed for v in body.velocity) if speed else (1.0, *(0.0 for _ in body.velocity[1:]))
+
+
+def _ahead(body: Body) -> tuple[float, ...]:
+    """A point in the direction of travel."""
+    return tuple(x + (100.0 if v >= 0 else -100.0) for x, v in zip(body.position, body.velocity, strict=True))
 
 
 def _own_length(joint: Joint) -> Parameter | None:

@@ -13,17 +13,23 @@ from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import forward, grid, plane_inertia
 from crashkit_hypotheses.carried_contact import meets_obstacle
 
-MASS_SHARES = (0.01, 0.05, 0.2)
+MASS_SHARES = (0.015, 0.05, 0.2)
 SLACKS = (0.02, 0.06)
+SLIP = 0.05
+"""m s-1, below which friction is smooth."""
+RUBBING, MOST_RUBBING = 0.05, 0.02
+"""Friction of a load to start from, of the force that stops it; and the most, of the force that stops its carrier."""
 UNSEEN = (5.0, 0.1)
 """Speed in m s-1 and time in s of a stop, where the motion shows none."""
+SLACK = {"slack": Parameter(0.02, 0.0, 0.5)}
+HOLDS = {"holds": Parameter(1.0, fixed=True)}
 
 Parameters = Mapping[str, Parameter]
 Start = Mapping[str, float]
 
 
 class CarriedLoad(Hypothesis):
-    """A body of unknown mass: tied closely, with slack, by a yielding belt; crushing what it meets; or hitting the wall."""
+    """A body of unknown mass: tied closely, with slack, sliding, by a yielding belt; crushing what it meets, or the wall."""
 
     physics: ClassVar[str] = "carried_load"
     sentence: ClassVar[str] = "{place} carries a mass that the model does not have"
@@ -34,7 +40,7 @@ class CarriedLoad(Hypothesis):
         tied = [
             tie(Carrier(model, body, mass, *stop_of(motion, body.name)))
             for body, mass in carriers
-            for tie in (_tied, _slack, _belt, _crush)
+            for tie in (_tied, _slack, _let_go, _sliding, _belt, _crush)
         ]
         return [*tied, *(p for body, mass in carriers for p in meets_obstacle(model, body, mass, recordings))]
 
@@ -56,8 +62,13 @@ class Carrier:
 
     @property
     def stiffest(self) -> float:
-        """A spring on which the carrier's mass swings within a millisecond, N m-1."""
-        return self.mass * (2.0 * np.pi / 1e-3) ** 2
+        """A spring on which a tenth of the carrier's mass swings within 5 ms, N m-1: a stiffer one is as good as rigid."""
+        return 0.1 * self.mass * (2.0 * np.pi / 5e-3) ** 2
+
+    @property
+    def most_damped(self) -> float:
+        """A dashpot that takes its speed from the carrier's mass within a fifth of the stop, N s m-1."""
+        return 5.0 * self.mass / self.duration
 
     def spring(self, share: float, period: float) -> float:
         """N m-1 for a load of this share of the mass; the period in durations of the stop."""
@@ -82,23 +93,33 @@ def _stop(velocity: np.ndarray, time: np.ndarray) -> tuple[float, float]:
 def _tied(carrier: Carrier) -> Proposal:
     """F = k d + c ddot."""
     starts = [_swing(carrier, share, period) for share in MASS_SHARES for period in (0.3, 1.0)]
-    return _loaded(carrier, "tied", "tie", _spring(carrier), starts)
+    return _loaded(carrier, "tied", "tie", _spring(carrier) | HOLDS, starts)
 
 
 def _slack(carrier: Carrier) -> Proposal:
     """The same beyond a slack either way."""
-    starts = [
-        _swing(carrier, share, period) | {"slack": slack} for share in MASS_SHARES for period in (0.5, 1.5) for slack in SLACKS
-    ]
-    return _loaded(carrier, "slack", "tie", _spring(carrier) | {"slack": Parameter(0.02, 0.0, 0.5)}, starts)
+    return _loaded(carrier, "slack", "tie", _spring(carrier) | SLACK | HOLDS, _with_slack(carrier, 0.5, 1.5))
+
+
+def _let_go(carrier: Carrier) -> Proposal:
+    """The same with a dashpot that is let go on the way back."""
+    return _loaded(carrier, "slack, let go", "tie", _spring(carrier) | SLACK, _with_slack(carrier, 1.0))
+
+
+def _sliding(carrier: Carrier) -> Proposal:
+    """F = k d + c ddot beyond a slack, and friction on the carrier at all times."""
+    rubs = {"friction_force": Parameter(0.0, 0.0, MOST_RUBBING * carrier.force), "slip_rate": Parameter(SLIP, fixed=True)}
+    weighed = [(start, start["mass"] / carrier.mass) for start in _with_slack(carrier, 1.0)]
+    starts = [{**start, "friction_force": RUBBING * share * carrier.force} for start, share in weighed]
+    return _loaded(carrier, "sliding", "tie", _spring(carrier) | SLACK | HOLDS, starts, rubs)
 
 
 def _belt(carrier: Carrier) -> Proposal:
     """The same with a spring that yields, and that unloads more steeply than it was loaded."""
     more = {
-        "slack": Parameter(0.02, 0.0, 0.5),
+        **SLACK,
         "yield_force": Parameter(0.1 * carrier.force, 1e-3 * carrier.force, 10.0 * carrier.force),
-        "unloading_stiffness": Parameter(1e-3 * carrier.stiffest, 1e-9 * carrier.stiffest, 10.0 * carrier.stiffest),
+        "unloading_stiffness": Parameter(0.03 * carrier.stiffest, 1e-6 * carrier.stiffest, carrier.stiffest),
     }
     starts = []
     for share in MASS_SHARES:
@@ -110,7 +131,7 @@ def _belt(carrier: Carrier) -> Proposal:
 
 def _crush(carrier: Carrier) -> Proposal:
     """The load crushes what it meets: elastic slope, plateau, densification, and steep unloading, behind a clearance."""
-    stiffness = Parameter(1e-3 * carrier.stiffest, 1e-9 * carrier.stiffest, 10.0 * carrier.stiffest)
+    stiffness = Parameter(0.03 * carrier.stiffest, 1e-6 * carrier.stiffest, carrier.stiffest)
     parameters = {
         "elastic_stiffness": stiffness,
         "crush_force": Parameter(0.1 * carrier.force, 1e-3 * carrier.force, 10.0 * carrier.force),
@@ -137,8 +158,8 @@ def _crush(carrier: Carrier) -> Proposal:
 
 def _spring(carrier: Carrier) -> dict[str, Parameter]:
     return {
-        "stiffness": Parameter(1e-2 * carrier.stiffest, 1e-9 * carrier.stiffest, carrier.stiffest),
-        "damping": Parameter(0.0, 0.0, carrier.stiffest),
+        "stiffness": Parameter(0.1 * carrier.stiffest, 1e-6 * carrier.stiffest, carrier.stiffest),
+        "damping": Parameter(0.0, 0.0, carrier.most_damped),
     }
 
 
@@ -148,20 +169,30 @@ def _swing(carrier: Carrier, share: float, period: float) -> dict[str, float]:
     return {"mass": mass, "stiffness": stiffness, "damping": 0.3 * float(np.sqrt(stiffness * mass))}
 
 
-def _loaded(carrier: Carrier, form: str, law: str, parameters: Parameters, starts: Sequence[Start]) -> Proposal:
-    """The model with the load; `starts` name its mass `mass`, and the rest as its joint does."""
+def _with_slack(carrier: Carrier, *periods: float) -> list[Start]:
+    swings = [_swing(carrier, share, period) for share in MASS_SHARES for period in periods]
+    return [swing | {"slack": slack} for swing in swings for slack in SLACKS]
+
+
+def _loaded(
+    carrier: Carrier, form: str, law: str, parameters: Parameters, starts: Sequence[Start], rubs: Parameters | None = None
+) -> Proposal:
+    """The model with the load; `starts` name its mass `mass`, and the rest as its joints do.
+
+    Arguments:
+        rubs: parameters of its friction on the carrier, if there is any.
+    """
     model, body, mass = carrier.model, carrier.body, carrier.mass
     load = fresh_name(f"{body.name}_load", (b.name for b in model.bodies))
-    joint = fresh_name(f"{load}_tie", (j.name for j in model.joints))
-    weight = Parameter(0.1 * mass, 1e-3 * mass, 2.0 * mass)
-    # The load comes first, so that its pressing forward counts as compression.
-    augmented = with_joint(
-        with_body(
-            model,
-            Body(load, body.position, body.velocity, weight, carrier=body.name, inertia=plane_inertia(model, mass)),
-        ),
-        Joint(joint, (load, body.name), law, dict(parameters), normal=forward(model, body)),
-    )
-    paths = {"mass": f"body.{load}.mass", **{name: f"joint.{joint}.{name}" for name in parameters}}
+    tie, friction = (fresh_name(f"{load}_{what}", (j.name for j in model.joints)) for what in ("tie", "friction"))
+    weight = Parameter(0.1 * mass, 0.01 * mass, 2.0 * mass)
+    loaded = Body(load, body.position, body.velocity, weight, carrier=body.name, inertia=plane_inertia(model, mass))
+    augmented, paths = with_body(model, loaded), {"mass": f"body.{load}.mass"}
+    for name, law_of, own in ((tie, law, parameters), (friction, "coulomb", rubs or {})):
+        if own:
+            # The load comes first, so that its pressing forward counts as compression.
+            joint = Joint(name, (load, body.name), law_of, dict(own), normal=forward(model, body))
+            augmented = with_joint(augmented, joint)
+            paths |= {key: f"joint.{name}.{key}" for key, parameter in own.items() if not parameter.fixed}
     named = tuple({paths[name]: value for name, value in start.items()} for start in starts)
     return Proposal("carried_load", form, {"body": body.name}, augmented, tuple(paths.values()), {}, named)

@@ -75,6 +75,7 @@ def _sprung(model: Model, name: str, mass: float, force: float) -> Proposal:
         "stiffness": Parameter(20.0 * force, force, 1e4 * force),
         "damping": Parameter(0.0, 0.0, 10.0 * force),
         "slack": Parameter(0.0, fixed=True),
+        "holds": Parameter(1.0, fixed=True),
     }
     starts = _starts(mass, "stiffness", force, ((0.5, 5.0), (0.5, 50.0), (5.0, 50.0), (5.0, 500.0)))
     return _moving(model, name, "sprung", mass, "tie", spring, starts)

@@ -24,7 +24,7 @@ LATEST = 0.3
 """Of the deformation reached: folds are looked for from there at the latest."""
 FOLDS = (1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 8.0, 10.0, 12.5)
 """How many folds to start from: a search only finds the number that is nearest."""
-PHASES = (-1 / 3, 0.0, 1 / 3)
+PHASES = (0.0, -1 / 3, 1 / 3)
 """Where in a fold the first begins, likewise."""
 
 
@@ -116,26 +116,36 @@ class PeakLoad(Hypothesis):
 
 
 class ProgressiveFolding(Hypothesis):
-    """F = F_law + a force that oscillates with deformation."""
+    """F = F_law + a force that oscillates with deformation: a sine, or folds that are skewed, arched and get shorter."""
 
     physics: ClassVar[str] = "progressive_folding"
     sentence: ClassVar[str] = "the force of {place} oscillates with deformation: it folds progressively"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Folds of several lengths at every joint that is compressed."""
-        return [self._folds(model, joint, motion) for joint in _used(model, motion)]
+        return [form for joint in _used(model, motion) for form in self._forms(model, joint, motion)]
 
-    def _folds(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> Proposal:
+    def _forms(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
         reached, plateau = largest_deformation(motion, joint.name), _plateau(motion, joint.name)
         folds = {
             "amplitude": Parameter(0.0, 0.0, 1e7),
             "fold_length": Parameter(0.2 * reached, 0.02 * reached, 0.8 * reached),
             "onset": Parameter(0.0, 0.0, 0.8 * reached),
         }
+        shaped = {
+            **folds,
+            "skew": Parameter(0.0, -0.95, 0.95),
+            "arch": Parameter(0.1, 0.0, 0.95),
+            "shortening": Parameter(0.01, 0.0, 0.5),
+        }
         begin = min(plateau, LATEST * reached)
         lengths = [(reached - begin) / number for number in FOLDS]
-        starts = [{"fold_length": one, "onset": max(0.0, begin + phase * one)} for one in lengths for phase in PHASES]
-        return added(model, joint, self.physics, "sine", "folding", folds, "amplitude", starts)
+        starts = [{"fold_length": one, "onset": max(0.0, begin + phase * one)} for phase in PHASES for one in lengths]
+        of_one_phase = starts[: len(lengths)]
+        return [
+            added(model, joint, self.physics, "sine", "folding", folds, "amplitude", starts),
+            added(model, joint, self.physics, "shaped", "folding", shaped, "amplitude", of_one_phase),
+        ]
 
 
 def falling(fastest: float) -> dict[str, Parameter]:

@@ -3,11 +3,22 @@
 from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
+import numpy as np
 import xarray as xr
 
-from crashkit.model import Joint, Model, Parameter
+from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import largest_deformation, largest_force, largest_rate, parallel
+from crashkit_hypotheses.build import (
+    forces_recorded,
+    grounded,
+    largest_deformation,
+    largest_force,
+    largest_rate,
+    multiplied,
+    parallel,
+)
+
+Table = Mapping[str, Parameter | tuple[Parameter, ...]]
 
 KNOTS = 24
 MOST = 2.0
@@ -18,30 +29,63 @@ law, of which more is known outside the runs."""
 
 
 class Unknown(Hypothesis):
-    """F = F_law + f(d), unloading in its own way, or + f(ddot); f a smooth table over the range that the recordings cover."""
+    """A smooth table f over the range that the recordings cover.
+
+    In a joint F = F_law + f(d), unloading in its own way, F_law + f(ddot), F_law (1 + f(ddot)) or F_law + f(t); on a body f(t)
+    or f(v).
+    """
 
     physics: ClassVar[str] = "unknown"
     sentence: ClassVar[str] = "{place} carries a force that none of the known physics explains"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """A force of deformation and one of rate at every joint that is compressed."""
+        """Every joint that is compressed, and every body on which a force is something else than one in its mount."""
         used = [joint for joint in model.joints if largest_deformation(motion, joint.name) > 0]
-        return [form for joint in used for form in self._forms(model, joint, motion)]
+        pushed = [body for body in model.bodies if _differs(model, body, recordings)]
+        in_joints = [form for joint in used for form in self._in_joint(model, joint, motion)]
+        return in_joints + [form for body in pushed for form in self._on_body(model, body, motion)]
 
-    def _forms(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
+    def _in_joint(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
         largest = max(largest_force(motion, joint.name), 1.0)
         reach, fastest = largest_deformation(motion, joint.name), largest_rate(motion, joint.name)
-        of_deformation = {
+        of_deformation: Table = {
+            "heights": _heights(largest),
             "reach": Parameter(reach, fixed=True),
             "unloading_length": Parameter(0.03 * reach, 1e-3 * reach, 2.0 * reach),
         }
+        of_rate: Table = {"heights": _heights(largest), "reach": Parameter(fastest, fixed=True)}
+        share: Table = {"rate_heights": _heights(1.0), "rate_reach": Parameter(fastest, fixed=True)}
+        of_time: Table = {"heights": _heights(largest), "duration": _duration(motion)}
         return [
-            self._table(model, joint, "deformation", "smooth_table", largest, of_deformation),
-            self._table(model, joint, "rate", "rate_table", largest, {"reach": Parameter(fastest, fixed=True)}),
+            parallel(model, joint, self.physics, "deformation", "smooth_table", of_deformation, "heights"),
+            parallel(model, joint, self.physics, "rate", "rate_table", of_rate, "heights"),
+            multiplied(model, joint, self.physics, "rate, as a factor", "rate_curve", share, "rate_heights"),
+            parallel(model, joint, self.physics, "time", "time_table", of_time, "heights"),
         ]
 
-    def _table(
-        self, model: Model, joint: Joint, form: str, law: str, largest: float, more: Mapping[str, Parameter]
-    ) -> Proposal:
-        height = Parameter(0.0, -MOST * largest, MOST * largest, size=USUAL * largest)
-        return parallel(model, joint, self.physics, form, law, {"heights": (height,) * KNOTS, **more}, "heights")
+    def _on_body(self, model: Model, body: Body, motion: Sequence[xr.Dataset]) -> list[Proposal]:
+        largest = max(largest_force(motion, joint.name) for joint in model.joints if body.name in joint.bodies)
+        fastest = max(float(np.nanmax(np.abs(one["velocity"].sel(body=body.name).values))) for one in motion)
+        of_time: Table = {"heights": _heights(largest), "duration": _duration(motion)}
+        of_speed: Table = {"heights": _heights(largest), "reach": Parameter(fastest, fixed=True)}
+        return [
+            grounded(model, body, self.physics, "time", "time_table", of_time, "heights"),
+            grounded(model, body, self.physics, "speed", "rate_table", of_speed, "heights"),
+        ]
+
+
+def _differs(model: Model, body: Body, recordings: Sequence[xr.DataTree]) -> bool:
+    """Whether a force on a body is told from one in a joint that holds it to the ground, of which only a load cell knows."""
+    if body.fixed or body.mass is None or body.carrier:
+        return False
+    joints = [joint for joint in model.joints if body.name in joint.bodies]
+    held = any(model.body(name).fixed for joint in joints for name in joint.bodies if name != body.name)
+    return bool(joints) and (not held or forces_recorded(recordings))
+
+
+def _heights(largest: float) -> tuple[Parameter, ...]:
+    return (Parameter(0.0, -MOST * largest, MOST * largest, size=USUAL * largest),) * KNOTS
+
+
+def _duration(motion: Sequence[xr.Dataset]) -> Parameter:
+    return Parameter(max(float(one["time"].values[-1]) for one in motion), fixed=True)
