@@ -3,9 +3,13 @@
 import numpy as np
 import xarray as xr
 from attrs import frozen
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.signal import periodogram
 
 from crashkit.data.channel_filter import correlation_samples
+
+FEWEST = 4
+"""Fourth differences from which a level is estimated."""
 
 
 @frozen
@@ -56,10 +60,12 @@ def channel_noise(instrument: xr.Dataset, quantity: str, channel: int, samples: 
 
 
 def _white_std(samples: np.ndarray) -> float:
-    """White noise from fourth differences, which a smooth signal hardly has."""
-    if len(samples) < 8:
-        return _positive(0.0, samples)
+    """White noise from fourth differences, which a smooth signal hardly has; samples at a limit, all alike, tell nothing."""
     differences = np.diff(samples, 4)
+    moving = sliding_window_view(np.diff(samples), 4).any(axis=1) if len(samples) > 4 else np.zeros(0, dtype=bool)
+    differences = differences[moving] if np.count_nonzero(moving) >= FEWEST else differences
+    if len(differences) < FEWEST:
+        return _positive(0.0, samples)
     # 70 = sum of squares of the binomial coefficients 1 4 6 4 1; 0.6745 makes the median that of a normal distribution.
     return _positive(np.median(np.abs(differences)) / 0.6745 / np.sqrt(70.0), samples)
 

@@ -47,6 +47,12 @@ def test_hidden_frames_do_not_enter_the_estimate():
     assert channel_noise(instrument(), "position", 0, samples, TIMES).std == pytest.approx(1.0, rel=0.06)
 
 
+def test_samples_held_at_a_limit_do_not_enter_the_estimate():
+    samples = np.minimum(PULSE + NOISE, 60.0)
+    assert np.mean(np.diff(samples) == 0.0) > 0.5
+    assert channel_noise(instrument(), "acceleration", 0, samples, TIMES).std == pytest.approx(1.0, rel=0.15)
+
+
 def test_noise_that_was_filtered_is_only_an_estimate():
     samples = filter_channel(PULSE + 10.0 * NOISE, TIMES, 180)
     noise = channel_noise(instrument(180), "acceleration", 0, samples, TIMES)
