@@ -19,7 +19,7 @@ def register(commands: Any) -> None:
         nargs="+",
         action="extend",
         default=[],
-        help="recordings that are predicted, never fitted",
+        help="recordings that are predicted, not fitted, unless only more physics explains them",
     )
     parser.add_argument("--output", metavar="DIR", type=Path, required=True, help="folder for the report, made if need be")
     parser.set_defaults(run=run)

@@ -115,11 +115,12 @@ def _short(path: str) -> str:
 
 
 def _strongest(action: Mapping[str, xr.Dataset]) -> str:
-    """The largest force of an estimated law, and where it acts."""
+    """The largest force of an estimated law, when and where it acts."""
     run = max(action.values(), key=lambda one: float(np.nanmax(np.abs(one["modelled_force"].values))))
     at = run.isel(time=int(np.nanargmax(np.abs(run["modelled_force"].values))))
     force, deformation, rate = (float(at[name]) for name in ("modelled_force", "deformation", "deformation_rate"))
-    return f", strongest with {1e-3 * force:.3g} kN at a deformation of {1e3 * deformation:.0f} mm and {rate:.1f} m/s"
+    when = f"{1e3 * float(at['time']):.0f} ms, a deformation of {1e3 * deformation:.0f} mm and {rate:.1f} m/s"
+    return f", strongest with {1e-3 * force:.3g} kN at {when}"
 
 
 def _activity(action: Mapping[str, xr.Dataset], end: float) -> tuple[float, float, str]:

@@ -22,10 +22,10 @@ CHANCE = 0.01
 """A finding is made when the probability that there is nothing falls below this."""
 LEAST_DROP = 20.0
 """Chi squared that a finding must at least explain: among a hundred trials of noise the largest stays below it."""
-FORM_ERRORS = (0.005, 0.03)
+FORM_ERRORS = (0.01, 0.03)
 """Share of what was explained already that a second and a third finding must at least explain: the form of a law is never
-quite right, and a form that is wrong by 7 % of its effect leaves the first. Three effects at once are rare, two forms that are
-wrong are not."""
+quite right, and a form that is wrong by 10 % of its effect leaves the first. Three effects at once are rare, two forms that
+are wrong are not."""
 READINGS = 0.2
 """How much of that a claim about one instrument must explain: the error of a form shows in all of them."""
 NEEDED = 100.0

@@ -117,7 +117,8 @@ def _action(
     simulated = misfit.predictor.motion(run, values)
     recorded = recorded_motion(misfit, run, simulated, workshop.smoother)
     asked = on_joint(missing_force(stripped, workshop.laws, recorded), stripped, bodies)
-    added = _net_between(misfit.model, workshop, simulated, bodies) - _net_between(stripped, workshop, simulated, bodies)
+    final, before = (_net_on(of, workshop, simulated, bodies, place) for of in (misfit.model, stripped))
+    added = final - before
     times = simulated["time"].values
     instants, force, std = binned(times, asked)
     deformation, rate = _approach(misfit.model, simulated, bodies)
@@ -153,13 +154,13 @@ def _bodies_at(model: Model, location: Mapping[str, object]) -> tuple[str, str] 
     return None
 
 
-def _net_between(model: Model, workshop: Workshop, motion: xr.Dataset, bodies: tuple[str, str]) -> np.ndarray:
+def _net_on(model: Model, workshop: Workshop, motion: xr.Dataset, bodies: tuple[str, str], place: str) -> np.ndarray:
     """The force between two bodies; where one of them is the place itself, everything that acts on it."""
     forces = forces_along(model, workshop.laws, motion)
-    joints = [j for j in model.joints if set(j.bodies) == set(bodies)]
-    if joints:
-        return forces["force"].sel(joint=[j.name for j in joints]).sum("joint").values
-    return -forces["contact_force"].sel(body=bodies[1]).isel(axis=0).values * _direction(model, bodies)
+    if place == f"body {bodies[1]}":
+        return -forces["contact_force"].sel(body=bodies[1]).isel(axis=0).values * _direction(model, bodies)
+    joints = [joint.name for joint in model.joints if set(joint.bodies) == set(bodies)]
+    return forces["force"].sel(joint=joints).sum("joint").values
 
 
 def _approach(model: Model, motion: xr.Dataset, bodies: tuple[str, str]) -> tuple[np.ndarray, np.ndarray]:

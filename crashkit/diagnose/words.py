@@ -4,9 +4,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
+from attrs import evolve
 
 from crashkit.diagnose.name import FLOOR
-from crashkit.diagnose.result import Estimate, Finding, Fit, place_of
+from crashkit.diagnose.result import Diagnosis, Estimate, Finding, Fit, place_of
 from crashkit.diagnose.rounds import Discovery
 from crashkit.protocols import Identification
 
@@ -66,6 +67,15 @@ def noted(discovery: Discovery, result: Identification, fits: Mapping[str, Mappi
             f"their own size, and all channels together count as about {samples:.0f} independent samples"
         )
     return tuple(notes)
+
+
+def nothing_predicted(diagnosis: Diagnosis, runs: Sequence[str]) -> Diagnosis:
+    """The diagnosis that had to fit the runs that were held out, and says so."""
+    sentence = (
+        f"{', '.join(runs)}: what explains the other runs cannot explain this beside them, whatever its numbers, so it was "
+        "fitted too; nothing here was predicted, hold another run out"
+    )
+    return evolve(diagnosis, summary=f"{diagnosis.summary}\n{sentence}", notes=(sentence, *diagnosis.notes))
 
 
 def _lines_of_limits(detectable: xr.Dataset) -> list[str]:

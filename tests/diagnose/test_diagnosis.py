@@ -20,10 +20,10 @@ OFFSET = 6.0
 @pytest.fixture(scope="module")
 def diagnosed(workshop, model, recorded):
     """The diagnosis of a model 8 % off, from runs at two speeds and a faster one that is held out."""
-    few = evolve(workshop, hypotheses={name: workshop.hypotheses[name] for name in RIVALS})
     believed = model.with_values({path: 1.08 * p.value for path, p in model.free_parameters().items()})
 
-    def run(true=model, speeds=SPEEDS, **changes):
+    def run(true=model, speeds=SPEEDS, rivals=RIVALS, **changes):
+        few = evolve(workshop, hypotheses={name: workshop.hypotheses[name] for name in rivals})
         runs = {name: recorded(true, speed, seed, **changes) for seed, (name, speed) in enumerate(speeds.items(), 1)}
         return diagnose(believed, {name: runs[name] for name in ("slow.nc", "fast.nc")}, {"faster.nc": runs["faster.nc"]}, few)
 
@@ -58,6 +58,16 @@ def snapping(diagnosed, model):
     bump = {"heights": heights, "reach": 0.48, "unloading_length": 0.02, "engagement": 1e-3}
     parameters = {name: _fixed(value) for name, value in bump.items()}
     return diagnosed(with_joint(model, Joint("snap", ("wall", "front"), "smooth_table", parameters)))
+
+
+@pytest.fixture(scope="module")
+def stopped_late(diagnosed, simulated, model):
+    """Something hard is hit, but only in the run that is held out."""
+    reached = [float(simulated(model, speed)["deformation"].max()) for speed in SPEEDS.values()]
+    stop = {"stiffness": _fixed(6e5), "stop_deformation": _fixed(0.5 * (reached[1] + reached[2]))}
+    (spring,) = model.joints
+    hard = evolve(spring, law="crush_plateau + linear_stop", parameters={**spring.parameters, **stop})
+    return diagnosed(evolve(model, joints=(hard,)), rivals=("bias", "bottoming", "viscous_damping"))
 
 
 def _fixed(value):
@@ -103,6 +113,17 @@ def test_instruments_contradict_each_other_without_any_model(bias):
     worst = bias.consistency.isel(check=int(np.argmax(bias.consistency["sigma"].values)))
     assert str(worst["error"].values) == "bias"
     assert "inconsistent" in str(worst["sentence"].values)
+
+
+def test_what_only_the_held_out_run_shows_is_found_and_nothing_is_called_predicted(stopped_late):
+    (finding,) = stopped_late.findings
+    assert (finding.physics, dict(finding.location)) == ("bottoming", {"joint": "first"})
+    assert "faster.nc" in finding.runs
+    assert abs(finding.parameters["stiffness"].value - 6e5) < 4.0 * finding.parameters["stiffness"].std
+    assert stopped_late.fits["calibration"]["after"].normalised_rmse == pytest.approx(1.0, abs=0.05)
+    assert stopped_late.fits["holdout"] == {} and stopped_late.curves["faster.nc/film"].attrs["holdout"] == 0
+    assert stopped_late.summary.endswith(stopped_late.notes[0])
+    assert stopped_late.notes[0].startswith("faster.nc: ") and "nothing here was predicted" in stopped_late.notes[0]
 
 
 def test_curves_hold_what_was_recorded_and_both_models(bias):

@@ -60,7 +60,7 @@ def test_of_an_unknown_force_the_largest_is_told_and_where_it_acts(workshop):
     runs = {"a": action(weak, np.full(100, 3.0)), "b": action(strong, np.full(100, 4.0))}
     runs = {name: run.assign(deformation=("time", 5.0 * TIMES)) for name, run in runs.items()}
     told = found(workshop, runs, {"a": 50.0, "b": 50.0}, "unknown").sentence
-    assert told.endswith("explains, strongest with -12.5 kN at a deformation of 100 mm and 4.0 m/s")
+    assert told.endswith("explains, strongest with -12.5 kN at 20 ms, a deformation of 100 mm and 4.0 m/s")
 
 
 def test_a_rival_that_differs_at_higher_speed_is_told_apart_there(misfit, model, recorded):

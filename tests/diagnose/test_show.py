@@ -1,8 +1,12 @@
 """The tables behind a diagnosis."""
 
+import numpy as np
+import pytest
 import xarray as xr
 
-from crashkit.diagnose.show import units_of
+from crashkit.diagnose.name import Rival
+from crashkit.diagnose.search import begin
+from crashkit.diagnose.show import action_of, units_of
 from crashkit.model import Parameter
 from crashkit.model.edit import with_instrument_error
 
@@ -18,3 +22,15 @@ def test_the_offset_of_a_load_cell_is_a_force(workshop, model, recorded, misfit)
     units = units_of(model, misfit(model, run=run).groups, workshop)
     assert units["instrument.plate.front_sensor.bias"] == "N"
     assert units["instrument.accelerometer.front_sensor.bias"] == "m s-2"
+
+
+def test_a_force_on_a_body_that_has_a_mount_is_shown(workshop, model, simulated, recorded, misfit):
+    """Friction on the ground, 2 kN: the joint to the wall has no part in it."""
+    run = recorded(model)
+    friction = next(iter(workshop.hypotheses["ground_friction"]().propose(model, [simulated(model)], [run])))
+    rubbed = friction.model.with_values({"joint.front_ground_friction.friction_force": 2e3})
+    equipped, without = workshop.equipped([rubbed]), misfit(model, run=run)
+    final = equipped.misfit(without, rubbed)
+    rival = Rival(friction, begin(equipped.identifier, final), drop=0.0, evidence=0.0)
+    (shown,) = action_of(equipped, final, without, rival, ()).values()
+    assert float(np.abs(shown["modelled_force"]).max()) == pytest.approx(2e3, rel=0.01)

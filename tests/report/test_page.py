@@ -209,7 +209,7 @@ def test_without_held_out_runs_the_page_says_so(diagnosis: Diagnosis) -> None:
     run = {node.path: node.to_dataset() for node in diagnosis.curves["run_1.nc"].leaves}
     fits = {"calibration": diagnosis.fits["calibration"], "holdout": {}}
     page = Page(render(evolve(diagnosis, curves=xr.DataTree.from_dict(run), fits=fits)))
-    assert "None were given" in page.sections["holdout"]
+    assert "There are none" in page.sections["holdout"]
     assert "run_2.nc" not in page.sections["fitted"]
     assert "never fitted" not in page.sections["fits"]
 
