@@ -9,7 +9,7 @@ from pathlib import Path
 from string import Template
 
 from benchmarks import Row
-from benchmarks.paper import beyond, figures, plane, tables
+from benchmarks.paper import beyond, figures, plane, plane_search, tables
 
 STARTS, SLOW_STARTS = int(os.environ.get("CRASHKIT_STARTS", "20")), int(os.environ.get("CRASHKIT_SLOW_STARTS", "3"))
 FOLDER = Path(__file__).parent.parent.parent / "docs" / "paper-study"
@@ -31,6 +31,7 @@ def run() -> list[Row]:
         prediction=beyond.prediction_table(),
         structures=beyond.structures_table(),
         plane=plane.as_markdown(),
+        plane_search=plane_search.as_markdown(),
     )
     return [*map(_row, found), *map(_share_row, shares)]
 

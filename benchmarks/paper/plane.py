@@ -36,7 +36,7 @@ def as_markdown() -> str:
         head = ["of the 14 springs", *GRADES, "not"]
         rows = [_row(kind, [d for n, d in zip(names, deviations, strict=True) if n.endswith(f".{kind}")]) for kind in kinds]
         rows.append(_row("all", list(deviations)))
-        blocks.append("\n".join([f"**{test}**", "", _line(head), "|" + " --- |" * len(head), *rows]))
+        blocks.append("\n".join([f"**{test}**", "", line(head), "|" + " --- |" * len(head), *rows]))
     return "\n\n".join(blocks)
 
 
@@ -46,13 +46,22 @@ def bounds(barriers: Sequence[str], instruments: dict[str, bool]) -> tuple[list[
     names = [path for path in models[0].free_parameters() if path.startswith("joint.") and _is_of_all(path, models)]
     information = np.zeros((len(names), len(names)))
     for model in models:
-        misfit = _misfit(model, instruments)
+        misfit = misfit_of(model, instruments)
         columns = [misfit.names.index(name) for name in names]
         jacobian = misfit.residual_and_jacobian(misfit.start())[1][:, columns]
         share = np.abs(misfit.parameters(misfit.start()) / misfit.scaling(misfit.start()))[columns]
         information += (jacobian * share).T @ (jacobian * share)
-    # Nothing is known of a value beforehand but its size: a deviation of ten times it.
-    return names, np.sqrt(np.diag(np.linalg.inv(information + 0.01 * np.eye(len(names)))))
+    return names, _deviations(information)
+
+
+def relative_bounds(jacobian: np.ndarray) -> np.ndarray:
+    """The smallest relative standard deviations, from weighted residuals' derivatives to relative changes."""
+    return _deviations(jacobian.T @ jacobian)
+
+
+def _deviations(information: np.ndarray) -> np.ndarray:
+    """Nothing is known of a value beforehand but its size: a deviation of ten times it."""
+    return np.asarray(np.sqrt(np.diag(np.linalg.inv(information + 0.01 * np.eye(len(information))))))
 
 
 def _is_of_all(path: str, models: Sequence[Model]) -> bool:
@@ -64,14 +73,15 @@ def _row(kind: str, deviations: Sequence[float]) -> str:
     for most in (*GRADES.values(), np.inf):
         counts.append(sum(least <= deviation < most for deviation in deviations))
         least = most
-    return _line([kind.replace("_", " "), *map(str, counts)])
+    return line([kind.replace("_", " "), *map(str, counts)])
 
 
-def _line(cells: Sequence[str]) -> str:
+def line(cells: Sequence[str]) -> str:
+    """A line of a table."""
     return "| " + " | ".join(cells) + " |"
 
 
-def _misfit(model: Model, instruments: dict[str, bool]) -> Misfit:
+def misfit_of(model: Model, instruments: dict[str, bool]) -> Misfit:
     """The model with instruments that read nothing yet: only their derivatives are asked for."""
     registry = load()
     film = _instrument(model, "position", "marker", "m", {"observer": "film"})
