@@ -1,6 +1,6 @@
 """What acts on a body besides its joints: a wrong mass, friction on the ground."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -8,7 +8,7 @@ import xarray as xr
 
 from crashkit.model import Body, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import forces_recorded, grounded, proposal
+from crashkit_hypotheses.build import forces_recorded, grid, grounded, largest_travel, proposal
 from crashkit_hypotheses.parallel_forces import falling
 
 
@@ -33,20 +33,26 @@ class AddedMass(Hypothesis):
 
 
 class GroundFriction(Hypothesis):
-    """A near-constant force brakes a body: F = f sign(v), or one that falls with the speed."""
+    """A near-constant force brakes a body: F = f sign(v), one that falls with the speed, or one that begins on the way."""
 
     physics: ClassVar[str] = "ground_friction"
     sentence: ClassVar[str] = "{place} is braked by friction on the ground"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every moving body; the ground is a fixed body of its own, so that no wall load cell feels it."""
-        forms = {
-            "constant": {"friction_force": Parameter(0.0, 0.0, 1e7), "slip_rate": Parameter(0.05, fixed=True)},
-            "falling": falling(max(float(np.nanmax(np.abs(one["velocity"].values))) for one in motion)),
-        }
         braked = [body for body in model.bodies if body.mass is not None and not body.carrier]
+        return [proposed for body in braked for proposed in self._braked(model, body, motion)]
+
+    def _braked(self, model: Model, body: Body, motion: Sequence[xr.Dataset]) -> list[Proposal]:
+        constant = {"friction_force": Parameter(0.0, 0.0, 1e7), "slip_rate": Parameter(0.05, fixed=True)}
+        way = largest_travel(motion, body.name)
+        later = {**constant, "always": Parameter(0.0, fixed=True), "clearance": Parameter(0.2 * way, 1e-3 * way, way)}
+        forms: dict[str, tuple[dict[str, Parameter], Sequence[Mapping[str, float]]]] = {
+            "constant": (constant, ({},)),
+            "falling": (falling(max(float(np.nanmax(np.abs(one["velocity"].values))) for one in motion)), ({},)),
+            "later": (later, grid(clearance=[share * way for share in (0.2, 0.5, 0.8)])),
+        }
         return [
-            grounded(model, body, self.physics, form, "coulomb", friction, "friction_force")
-            for body in braked
-            for form, friction in forms.items()
+            grounded(model, body, self.physics, form, "coulomb", friction, "friction_force", starts)
+            for form, (friction, starts) in forms.items()
         ]

@@ -13,13 +13,13 @@ SHARES = (0.5, 0.7, 0.85, 0.95)
 
 
 class Bottoming(Hypothesis):
-    """F = F_law(d) + k max(0, d - e), or + c max(0, d - e)^2."""
+    """F = F_law(d) + k x, + c x^2, or + k x / (1 - x / l), with x = max(0, d - e)."""
 
     physics: ClassVar[str] = "bottoming"
     sentence: ClassVar[str] = "{place} bottoms out: it stiffens sharply at large deformation"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """A line and a parabola at every joint that is compressed, from several engagements."""
+        """A line, a parabola and a lock at every joint that is compressed, from several engagements."""
         reached = {joint.name: largest_deformation(motion, joint.name) for joint in model.joints}
         return [
             form
@@ -32,8 +32,11 @@ class Bottoming(Hypothesis):
         stop = Parameter(0.8 * reached, 0.2 * reached, 1.2 * reached)
         line = {"stiffness": Parameter(0.0, 0.0, 1e10), "stop_deformation": stop}
         parabola = {"coefficient": Parameter(0.0, 0.0, 1e12), "stop_deformation": stop}
+        way = Parameter(0.5 * reached, 0.02 * reached, 5.0 * reached)
+        lock = {"stiffness": Parameter(0.0, 0.0, 1e10), "stop_deformation": stop, "locking_way": way}
         starts = grid(stop_deformation=[share * reached for share in SHARES])
         return [
             added(model, joint, self.physics, "line", "linear_stop", line, "stiffness", starts),
             added(model, joint, self.physics, "parabola", "quadratic_stop", parabola, "coefficient", starts),
+            added(model, joint, self.physics, "locking", "locking_stop", lock, "stiffness", starts),
         ]

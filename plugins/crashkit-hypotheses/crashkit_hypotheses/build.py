@@ -95,6 +95,7 @@ def grounded(
     law: str,
     parameters: Mapping[str, Parameter | tuple[Parameter, ...]],
     amplitude: str,
+    starts: Iterable[Mapping[str, float]] = ({},),
 ) -> Proposal:
     """A force on a body that nothing else feels: a joint to a fixed body of its own, compressed by driving on."""
     ground = Body(fresh_name("ground", (b.name for b in model.bodies)), _ahead(body), (0.0,) * len(body.position), fixed=True)
@@ -102,7 +103,7 @@ def grounded(
     augmented = with_joint(
         evolve(model, bodies=(*model.bodies, ground)), Joint(name, (ground.name, body.name), law, dict(parameters))
     )
-    return proposal(physics, form, {"body": body.name}, augmented, f"joint.{name}.", parameters, amplitude, ({},))
+    return proposal(physics, form, {"body": body.name}, augmented, f"joint.{name}.", parameters, amplitude, starts)
 
 
 def proposal(
@@ -167,6 +168,16 @@ def largest_force(motions: Sequence[xr.Dataset], joint: str) -> float:
 def largest_rate(motions: Sequence[xr.Dataset], joint: str) -> float:
     """m s-1, over all runs."""
     return max(float(np.nanmax(np.abs(motion["deformation_rate"].sel(joint=joint).values))) for motion in motions)
+
+
+def largest_travel(motions: Sequence[xr.Dataset], body: str) -> float:
+    """m, from where a body was at t = 0, over all runs."""
+    return max(_travel(motion["position"].sel(body=body)) for motion in motions)
+
+
+def _travel(position: xr.DataArray) -> float:
+    moved = position.transpose("time", "axis").values
+    return float(np.linalg.norm(moved - moved[0], axis=1).max())
 
 
 def largest_approach(motions: Sequence[xr.Dataset], first: str, second: str) -> float:

@@ -188,6 +188,13 @@ def sprung(model):
     return grounded(released(model, 500.0), "tie", fixed(stiffness=4e5, damping=2e3, slack=0.0, holds=1.0))
 
 
+def dragging(model):
+    """Something under the rear touches the ground after 0.8 m."""
+    ground = Body("ground", (100.0,), (0.0,), fixed=True)
+    drag = fixed(friction_force=4e3, slip_rate=0.05, always=0.0, clearance=0.8)
+    return with_joint(evolve(model, bodies=(*model.bodies, ground)), Joint("drag", ("ground", "rear"), "coulomb", drag))
+
+
 def clipping(model):
     return with_error(model, "rear_sensor", saturation=45.0)
 
@@ -257,6 +264,7 @@ CASES = {
     sliding: (("obstacle_motion", "sliding", {"body": "wall"}), {"mass": 2500.0, "friction_force": 2.5e4}),
     pushed_away: (("obstacle_motion", "free", {"body": "wall"}), {"mass": 4e3}),
     sprung: (("obstacle_motion", "sprung", {"body": "wall"}), {"mass": 500.0, "stiffness": 4e5, "damping": 2e3}),
+    dragging: (("ground_friction", "later", {"body": "rear"}), {"friction_force": 4e3, "clearance": 0.8}),
     clipping: (("saturation", "limit", {"sensor": "rear_sensor"}), {"saturation": 45.0}),
     ringing: (
         ("mounting_resonance", "oscillator", {"sensor": "front_sensor"}),

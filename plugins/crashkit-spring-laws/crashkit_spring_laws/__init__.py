@@ -11,7 +11,7 @@ from crashkit_spring_laws.measured_curve import MeasuredCurve
 from crashkit_spring_laws.piecewise_affine import PiecewiseAffine
 from crashkit_spring_laws.rate_factors import RateLinear, RateLogarithm, RatePower
 from crashkit_spring_laws.relaxation import Maxwell
-from crashkit_spring_laws.stops import CrushStop, LinearStop, QuadraticStop, TensionSpring
+from crashkit_spring_laws.stops import CrushStop, LinearStop, LockingStop, QuadraticStop, TensionSpring
 from crashkit_spring_laws.tables import RateCurve, RateTable, SmoothTable, TimeTable
 from crashkit_spring_laws.tie import Tie
 
@@ -31,6 +31,7 @@ SPRING_LAWS = (
     Maxwell,
     LinearStop,
     QuadraticStop,
+    LockingStop,
     CrushStop,
     TensionSpring,
     Peak,
@@ -59,6 +60,7 @@ __all__ = [
     "Folding",
     "Fracture",
     "LinearStop",
+    "LockingStop",
     "Maxwell",
     "MeasuredCurve",
     "Peak",

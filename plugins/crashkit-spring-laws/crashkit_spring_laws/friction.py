@@ -3,7 +3,7 @@
 import math
 
 from crashkit.protocols import ParameterSpec, SpringLaw
-from crashkit_spring_laws.shared import ENGAGEMENT
+from crashkit_spring_laws.shared import CLEARANCE, ENGAGEMENT
 
 FRICTION_FORCE = ParameterSpec("friction_force", "N", "force while sliding", lower=0.0, null=0.0)
 ALWAYS = ParameterSpec(
@@ -20,9 +20,9 @@ ALWAYS = ParameterSpec(
 class Coulomb(SpringLaw):
     """Dry friction: F = friction_force tanh(ddot / slip_rate) (1 + stick exp(-(ddot / stick_rate)^2)) g(d).
 
-    g = max(always, min(1, max(0, d) / engagement)). With `stick` it falls with the rate (Stribeck). Smooth, because a force
-    that jumps with the sign of the rate would hold the joint on its jump. So what should stick creeps, by at most slip_rate;
-    friction that sticks is `dahl`.
+    g = max(always, min(1, max(0, d - clearance) / engagement)). With `stick` it falls with the rate (Stribeck). Smooth,
+    because a force that jumps with the sign of the rate would hold the joint on its jump. So what should stick creeps, by at
+    most slip_rate; friction that sticks is `dahl`.
     """
 
     name = "coulomb"
@@ -33,6 +33,7 @@ class Coulomb(SpringLaw):
         ENGAGEMENT,
         ParameterSpec("stick", "1", "relative rise of the force at low rates", lower=-0.9, upper=9.0, default=0.0, null=0.0),
         ParameterSpec("stick_rate", "m s-1", "rate above which that is lost", lower=1e-2, default=1.0, free=False),
+        CLEARANCE,
     )
 
     @staticmethod
@@ -46,10 +47,13 @@ class Coulomb(SpringLaw):
         engagement: float,
         stick: float,
         stick_rate: float,
+        clearance: float,
     ) -> float:
         """The force, N, compression positive."""
         level = 1.0 + stick * math.exp(-((ddot / stick_rate) ** 2))
-        return friction_force * math.tanh(ddot / slip_rate) * level * max(always, min(1.0, max(0.0, d) / engagement))
+        return (
+            friction_force * math.tanh(ddot / slip_rate) * level * max(always, min(1.0, max(0.0, d - clearance) / engagement))
+        )
 
 
 class Dahl(SpringLaw):

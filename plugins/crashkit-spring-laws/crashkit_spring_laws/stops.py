@@ -35,6 +35,23 @@ class QuadraticStop(SpringLaw):
         return coefficient * max(0.0, d - stop_deformation) ** 2
 
 
+class LockingStop(SpringLaw):
+    """A stop that locks, as foam does: F = k x / (1 - min(x / locking_way, 0.95)), x = max(0, d - stop_deformation)."""
+
+    name = "locking_stop"
+    parameters = (
+        ParameterSpec("stiffness", "N m-1", "slope where the stop is met (k)", lower=0.0, null=0.0),
+        STOP_DEFORMATION,
+        ParameterSpec("locking_way", "m", "way beyond the stop on which the force would grow without limit", lower=1e-5),
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, stiffness: float, stop_deformation: float, locking_way: float) -> float:
+        """The force, N, compression positive; a straight line where less than a twentieth of the way is left."""
+        x = max(0.0, d - stop_deformation)
+        return stiffness * x / (1.0 - min(x / locking_way, 0.95))
+
+
 class CrushStop(SpringLaw):
     """A stop that is crushed: F = k max(0, min(x_max, crush_length) - release (x_max - x)), x = max(0, d - stop_deformation).
 
