@@ -91,13 +91,19 @@ def diagnosed(case: Path, output: Path, limit: float) -> Record:
     return record | {"error": log.read_text(encoding="utf-8").splitlines()[-1:]} if status == "crashed" else record
 
 
+def read_diagnosis(output: Path) -> Record:
+    """What a diagnosis said, from the folder that it wrote to."""
+    said: Record = json.loads((output / "diagnosis.json").read_text(encoding="utf-8"))
+    return said
+
+
 def _opened(folder: Path, ticket: Ticket) -> Record:
     """The truth, and what was said of it."""
     truth = read_answer(folder / "answers" / f"{ticket.name}.json")
-    path = folder / "diagnoses" / ticket.name / "diagnosis.json"
-    if not path.exists():
+    output = folder / "diagnoses" / ticket.name
+    if not (output / "diagnosis.json").exists():
         return {"truth": truth}
-    said = json.loads(path.read_text(encoding="utf-8"))
+    said = read_diagnosis(output)
     fits = {
         f"{runs}_{model}": fit.get("normalised_rmse") for runs, models in said["fit"].items() for model, fit in models.items()
     }

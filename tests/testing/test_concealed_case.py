@@ -91,8 +91,13 @@ def test_an_open_answer_is_plain_json(case, tmp_path):
 
 def test_what_cannot_be_had_is_said(monkeypatch):
     monkeypatch.setattr("crashkit.testing.concealed.draft._try", lambda *_: None)
-    with pytest.raises(ValueError, match="no vehicle was found that shows tension and bias in gross size"):
+    with pytest.raises(ValueError, match="that shows tension and bias by 250 to 5000 standard deviations"):
         make_case((1, 1), ("tension", "bias"), "gross")
+
+
+def test_a_size_may_be_any_range():
+    secret = make_case((1, 7), ("rate_dependence",), (90.0, 110.0), plain=True).answer["secrets"][0]
+    assert 90.0 <= secret["left"] <= 110.0
 
 
 def test_a_plain_vehicle_has_one_body_one_law_and_every_instrument():

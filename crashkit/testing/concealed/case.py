@@ -11,7 +11,7 @@ from attrs import frozen
 from crashkit.testing.concealed.draft import Draft, Secret, draw_draft
 from crashkit.testing.concealed.given import model_text
 from crashkit.testing.concealed.recording import record
-from crashkit.testing.concealed.size import named
+from crashkit.testing.concealed.size import SIZES, named
 
 
 @frozen
@@ -30,20 +30,20 @@ class Case:
     answer: dict[str, Any]
 
 
-def make_case(seed: int | Sequence[int], physics: Sequence[str], size: str, plain: bool = False) -> Case:
+def make_case(seed: int | Sequence[int], physics: Sequence[str], size: str | tuple[float, float], plain: bool = False) -> Case:
     """A case, the same for the same arguments.
 
     Arguments:
         seed: of everything random.
         physics: names in EFFECTS that are concealed together; none: nothing is.
-        size: of each, one of SIZES.
+        size: of each: one of SIZES, or the least and most standard deviations that it leaves.
         plain: in a vehicle of one body that is fully instrumented, and in the plainest of their forms.
 
     Raises:
         ValueError: no vehicle was found that can have it so.
     """
     drawing, given, noise = (np.random.default_rng(part) for part in np.random.SeedSequence(seed).spawn(3))
-    draft = draw_draft(drawing, physics, size, plain)
+    draft = draw_draft(drawing, physics, SIZES[size] if isinstance(size, str) else size, plain)
     scene = draft.scene
     recordings = [
         record(scene.instruments, motion, scene.duration, scene.bodies, noise) for motion in scene.motions(slice(None))

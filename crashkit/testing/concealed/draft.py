@@ -12,11 +12,13 @@ from crashkit.testing.concealed.effect import Effect, Maker, Stage
 from crashkit.testing.concealed.joint_effects import JOINT_EFFECTS
 from crashkit.testing.concealed.scene import Scene
 from crashkit.testing.concealed.sensor_effects import SENSOR_EFFECTS
-from crashkit.testing.concealed.size import SIZES, Tuning, samples
+from crashkit.testing.concealed.size import Tuning, samples
 from crashkit.testing.concealed.vehicle import draw_scene
 
 EFFECTS: dict[str, Maker] = {**JOINT_EFFECTS, **BODY_EFFECTS, **SENSOR_EFFECTS}
 """Everything that can be concealed, by the name that a diagnosis should give it."""
+Size = tuple[float, float]
+"""Standard deviations that a secret leaves, at least and at most."""
 
 _ATTEMPTS = 60
 _HARDEST = 8000.0
@@ -42,8 +44,8 @@ class Draft:
     secrets: list[Secret]
 
 
-def draw_draft(rng: np.random.Generator, physics: Sequence[str], size: str, plain: bool = False) -> Draft:
-    """A draft that conceals these physics, each in this size; `plain`: in a plain vehicle and in their plainest forms.
+def draw_draft(rng: np.random.Generator, physics: Sequence[str], size: Size, plain: bool = False) -> Draft:
+    """A draft that conceals these physics, each of this size; `plain`: in a plain vehicle and in their plainest forms.
 
     Raises:
         ValueError: no vehicle was found that can have it so.
@@ -53,10 +55,12 @@ def draw_draft(rng: np.random.Generator, physics: Sequence[str], size: str, plai
         draft = _try(rng, draw_scene(rng, wall, complete, plain), physics, size, plain)
         if draft is not None:
             return draft
-    raise ValueError(f"no vehicle was found that shows {' and '.join(physics)} in {size} size")
+    raise ValueError(
+        f"no vehicle was found that shows {' and '.join(physics)} by {size[0]:g} to {size[1]:g} standard deviations"
+    )
 
 
-def _try(rng: np.random.Generator, scene: Scene, physics: Sequence[str], size: str, plain: bool) -> Draft | None:
+def _try(rng: np.random.Generator, scene: Scene, physics: Sequence[str], size: Size, plain: bool) -> Draft | None:
     if not _is_sane(scene):
         return None
     if not physics:
@@ -75,9 +79,9 @@ def _try(rng: np.random.Generator, scene: Scene, physics: Sequence[str], size: s
     return Draft(scene, full, secrets) if secrets and _is_sane(full) else None
 
 
-def _sized(scene: Scene, effects: list[Effect], size: str, rng: np.random.Generator) -> list[Secret] | None:
+def _sized(scene: Scene, effects: list[Effect], size: Size, rng: np.random.Generator) -> list[Secret] | None:
     """Each effect at a strength of the wanted size, none hidden by the others."""
-    base, least = samples(scene), SIZES[size][0]
+    base, least = samples(scene), size[0]
     for effect in effects:
         if np.linalg.norm(samples(effect.into(scene, effect.limits[1])) - base) < least:
             return None  # spares the tuning
@@ -95,10 +99,10 @@ def _sized(scene: Scene, effects: list[Effect], size: str, rng: np.random.Genera
     return secrets
 
 
-def _at_size(tuning: Tuning, effect: Effect, size: str, rng: np.random.Generator) -> Secret | None:
+def _at_size(tuning: Tuning, effect: Effect, size: Size, rng: np.random.Generator) -> Secret | None:
     """Halve the interval of the strength's logarithms until what is left is of this size."""
     low, high = (math.log(limit) for limit in effect.limits)
-    least, most = SIZES[size]
+    least, most = size
     wanted = math.exp(rng.uniform(math.log(least), math.log(most)))
     for _ in range(9):
         middle = 0.5 * (low + high)
