@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 
 from benchmarks import Row
+from benchmarks._left_out import left_out
 from crashkit.api import diagnose_files
 from crashkit.data.channel_filter import filter_channel
 from crashkit.data.recording import write_recording
@@ -32,6 +33,8 @@ UNSEEN = ["95=engine:top", "96=engine:bottom"]
 BOTTOM_ENDS = 0.066
 """s; the sensor on the bottom of the engine has no valid data later."""
 INTERVAL = 1e-4
+BLOCK = 0.02
+"""s, of the stretches that are left out in turn."""
 
 
 def run() -> list[Row]:
@@ -40,7 +43,8 @@ def run() -> list[Row]:
         start = perf_counter()
         answer = diagnosed(Path(folder))
         elapsed = perf_counter() - start
-    return [*_fit_rows(answer), *_mass_rows(answer), *_engine_rows(answer), Row("diagnosis", "time", "s", elapsed, "", None)]
+    rows = [*_fit_rows(answer), *_left_out_rows(answer), *_mass_rows(answer), *_engine_rows(answer)]
+    return [*rows, Row("diagnosis", "time", "s", elapsed, "", None)]
 
 
 def recordings() -> Path:
@@ -101,6 +105,14 @@ def _fit_rows(answer: Diagnosis) -> list[Row]:
         )
         for name in after["channel"].values.tolist()
     ]
+
+
+def _left_out_rows(answer: Diagnosis) -> list[Row]:
+    """Blocks of time that are predicted from the rest, with the load and by the single mass."""
+    recording = imported(SEEN)
+    ours, theirs = (left_out(model, recording, BLOCK) for model in (answer.augmented_model, answer.base_model))
+    told = f"in blocks of {1e3 * BLOCK:g} ms that were left out: relative residual"
+    return [Row(f"{name} {told}", "error", "1", ours[name], "single mass", theirs[name]) for name in ours]
 
 
 def _mass_rows(answer: Diagnosis) -> list[Row]:

@@ -1,13 +1,14 @@
 """The diagnosis: re-identify, compare, locate, name, model, show."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import xarray as xr
 from attrs import evolve
 
 from crashkit.diagnose.consistency import by_run, check_instruments
 from crashkit.diagnose.contest import Progress
-from crashkit.diagnose.finding import estimates, experiment, make_finding, stand_ins, with_experiment
+from crashkit.diagnose.experiment import experiment
+from crashkit.diagnose.finding import estimates, make_finding, stand_ins, with_experiment
 from crashkit.diagnose.fits import curves_of, fit_of, predict
 from crashkit.diagnose.name import FLOOR
 from crashkit.diagnose.reidentify import STEPS, refine, reidentify
@@ -18,7 +19,7 @@ from crashkit.diagnose.show import action_of, identified_table, limits_table, mi
 from crashkit.diagnose.words import noted, nothing_predicted, summarise
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit, fine_step
-from crashkit.model import Model
+from crashkit.model import Body, Model
 from crashkit.protocols import Identification
 
 UNEXPLAINED = 1.15
@@ -188,7 +189,7 @@ def _findings(
             run_drops(look.before, rival.search.fitted()),
             max(float(group.times[-1]) for group in discovery.final.groups),
         )
-        told.append((_with_experiment(finding, look), action))
+        told.append((_with_experiment(finding, look, discovery.base.model.bodies), action))
     if discovery.search.normalised > FLOOR and UNKNOWN in workshop.hypotheses:
         told = _imitations_told(told, workshop.hypotheses[UNKNOWN].sentence)
     trees = {f"{number}/{run}": one for number, (_, action) in enumerate(told) for run, one in action.items()}
@@ -214,13 +215,13 @@ def _alternatives(look: Round, belief: float) -> list[Alternative]:
     ]
 
 
-def _with_experiment(finding: Finding, look: Round) -> Finding:
+def _with_experiment(finding: Finding, look: Round, bodies: Sequence[Body]) -> Finding:
     """The finding with the test that would tell it from its strongest rival, if that is worth telling."""
     if len(look.rivals) < 2 or look.probabilities[1] < WORTH_TELLING:
         return finding
     first, second = look.rivals[:2]
     name = f"{second.proposal.physics} at {place_of(second.proposal.location)}"
-    return with_experiment(finding, experiment(first.search.fitted(), second.search.fitted(), name))
+    return with_experiment(finding, experiment(first.search.fitted(), second.search.fitted(), name, bodies))
 
 
 def _verdict(findings: tuple[Finding, ...], explains: bool) -> str:

@@ -8,17 +8,12 @@ from attrs import evolve
 
 from crashkit.diagnose.name import Rival
 from crashkit.diagnose.result import UNKNOWN, Alternative, Estimate, Finding, place_of
-from crashkit.misfit import Misfit
 from crashkit.protocols import Hypothesis, Identification
 
 ACTIVE = 0.1
 """Share of its largest force from which an effect counts as acting."""
 RUN_DROP = 9.0
 """Drop in chi squared that a run must show by itself to be named."""
-RIVAL = 0.01
-"""Probability from which a rival is worth an experiment."""
-FASTER = 1.2
-SEPARATED = 3.0
 
 
 def estimates(rival: Rival, identified: Identification, units: Mapping[str, str]) -> dict[str, Estimate]:
@@ -87,19 +82,6 @@ def stand_ins(findings: Sequence[Finding], sentence: str) -> Finding:
     )
 
 
-def experiment(best: Misfit, rival: Misfit, name: str) -> str:
-    """Which faster test would tell two fitted models apart, and by how many sigma."""
-    fastest = max(best.recordings, key=lambda run: _speed(best.recordings[run]))
-    speed = _speed(best.recordings[fastest])
-    if speed == 0.0:
-        return ""
-    first, second = (misfit.with_recordings((fastest,)).at_speed(FASTER) for misfit in (best, rival))
-    difference = first.discrepancy(first.start()) - second.discrepancy(second.start())
-    sigma = float(np.sqrt(difference @ difference))
-    verdict = "would separate" if sigma > SEPARATED else "would hardly separate"
-    return f"the same test at {FASTER * speed:.1f} m/s {verdict} this from {name}: {sigma:.0f} sigma"
-
-
 def with_experiment(finding: Finding, sentence: str) -> Finding:
     """The finding with the test that would separate its rivals."""
     return evolve(finding, experiment=sentence)
@@ -140,8 +122,3 @@ def _activity(action: Mapping[str, xr.Dataset], end: float) -> tuple[float, floa
     share = loading / total if total else 0.5
     phase = "loading" if share > 0.8 else "unloading" if share < 0.2 else "both"
     return min(starts, default=0.0), max(ends, default=end), phase
-
-
-def _speed(recording: xr.DataTree) -> float:
-    initial = recording.children.get("initial")
-    return float(np.abs(initial.to_dataset()["velocity"].values).max()) if initial is not None else 0.0

@@ -1,5 +1,6 @@
 """The answer in about ten lines that a person can read, and the notes on what cannot be trusted."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -96,6 +97,8 @@ def _lines_of_limits(detectable: xr.Dataset) -> list[str]:
 def number(estimate: Estimate) -> str:
     """A value with its deviation and unit, to the digits that mean something."""
     unit = "" if estimate.units == "1" else f" {estimate.units}"
+    if not math.isfinite(estimate.std):
+        return f"{estimate.value:.4g}{unit} (no interval)"
     return f"{estimate.value:.4g} ± {estimate.std:.2g}{unit}"
 
 

@@ -108,8 +108,10 @@ def number(value: float, digits: int = 3) -> str:
 
 def estimate(value: float, std: float) -> str:
     """A value with its standard deviation, which is given to two significant digits: "0.210 ± 0.012"."""
-    if not (math.isfinite(value) and math.isfinite(std) and std > 0):
+    if not math.isfinite(value) or std == 0.0:
         return number(value, 4)
+    if not math.isfinite(std):
+        return f"{number(value, 4)} (no interval)"
     place = _exponent(std, 2) - 1
     exponent = max(_exponent(value, 4), place + 1)
     if -4 < exponent < 6:

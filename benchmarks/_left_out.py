@@ -1,0 +1,45 @@
+"""How well a model predicts blocks of time that it was not fitted to."""
+
+import numpy as np
+import xarray as xr
+
+from crashkit.misfit import Misfit, fine_step
+from crashkit.model import Model
+from crashkit.registry import load
+from crashkit_identifiers.run import run
+from crashkit_identifiers.sensitivity import Sensitivity
+
+
+def left_out(model: Model, recording: xr.DataTree, width: float) -> dict[str, float]:
+    """Relative residual (rms over rms) of each instrument in blocks of `width` s, each predicted from all other samples.
+
+    Each fit begins at the model's own values, and weighs every channel by what the model leaves of it.
+    """
+    registry = load()
+    whole = Misfit(model, {"run": recording}, registry.spring_laws, registry.observers)
+    whole = whole.with_step(fine_step(whole))
+    weighed = whole.reweighted(whole.start())
+    levels = {(c.instrument, c.sensor, c.axis): c.noise.std for c in weighed.channels}
+    missed, size = np.zeros(len(whole.groups)), np.zeros(len(whole.groups))
+    for start in np.arange(0.0, max(group.times[-1] for group in whole.groups), width):
+        block = {"run": without(recording, start, start + width)}
+        partial = Misfit(model, block, registry.spring_laws, registry.observers, whole.simulator.engine, whole.step)
+        found = run(Sensitivity(least_drop=1e-3), partial.with_levels(levels))
+        for number, (group, told) in enumerate(zip(whole.groups, whole.predictor.predict(found.values), strict=True)):
+            inside = (group.times >= start) & (group.times < start + width)
+            missed[number] += np.nansum((group.recorded - told.samples)[inside] ** 2)
+            size[number] += np.nansum(group.recorded[inside] ** 2)
+    return {group.name: float(np.sqrt(m / s)) for group, m, s in zip(whole.groups, missed, size, strict=True)}
+
+
+def without(recording: xr.DataTree, start: float, end: float) -> xr.DataTree:
+    """The recording, its samples from `start` to before `end`, s, hidden."""
+    quantities = {"accelerometer": "acceleration", "load_cell": "force", "film": "position"}
+    groups = {}
+    for name, node in recording.children.items():
+        dataset = node.to_dataset(inherit=False)
+        quantity = quantities.get(dataset.attrs.get("observer", ""))
+        if quantity:
+            hidden = (dataset["time"] >= start) & (dataset["time"] < end)
+            groups[name] = xr.DataTree(dataset.assign({quantity: dataset[quantity].where(~hidden)}))
+    return recording.assign(groups)
