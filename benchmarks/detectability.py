@@ -129,6 +129,7 @@ def draw(thresholds: Sequence[Threshold], path: Path) -> None:
     axes.axhline(90.0, color="grey", lw=0.5)
     axes.set(xscale="log", xlabel="standard deviations left after re-identification", ylabel="found, %", ylim=(0.0, 103.0))
     axes.set_xticks(SIZES, [f"{size:g}" for size in SIZES])
+    axes.minorticks_off()
     axes.legend()
     figure.savefig(path, dpi=110)
     pyplot.close(figure)

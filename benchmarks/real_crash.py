@@ -17,7 +17,7 @@ import xarray as xr
 
 from benchmarks import Row
 from benchmarks._left_out import left_out
-from crashkit.api import diagnose_files
+from crashkit.api import diagnose_files, load_model
 from crashkit.data.channel_filter import filter_channel
 from crashkit.data.recording import write_recording
 from crashkit.diagnose import Diagnosis
@@ -32,6 +32,7 @@ SEEN = ["93+94+99+100=vehicle:compartment", "-107..632=barrier:wall"]
 UNSEEN = ["95=engine:top", "96=engine:bottom"]
 BOTTOM_ENDS = 0.066
 """s; the sensor on the bottom of the engine has no valid data later."""
+GIVEN = Path(__file__).parent.parent / "docs" / "examples" / "real-crash" / "given.toml"
 INTERVAL = 1e-4
 BLOCK = 0.02
 """s, of the stretches that are left out in turn."""
@@ -62,9 +63,8 @@ def imported(channels: list[str]) -> xr.DataTree:
 
 def diagnosed(folder: Path) -> Diagnosis:
     """The answer, from the model and recording that docs/real-crash.md describes."""
-    model = Path(__file__).parent.parent / "docs" / "examples" / "real-crash" / "given.toml"
     write_recording(imported(SEEN), folder / "run.nc")
-    return diagnose_files(model, [folder / "run.nc"], [], folder / "answer", lambda sentence: None)
+    return diagnose_files(GIVEN, [folder / "run.nc"], [], folder / "answer", lambda sentence: None)
 
 
 def engine() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -109,8 +109,8 @@ def _fit_rows(answer: Diagnosis) -> list[Row]:
 
 def _left_out_rows(answer: Diagnosis) -> list[Row]:
     """Blocks of time that are predicted from the rest, with the load and by the single mass."""
-    recording = imported(SEEN)
-    ours, theirs = (left_out(model, recording, BLOCK) for model in (answer.augmented_model, answer.base_model))
+    given, recording = load_model(GIVEN), imported(SEEN)
+    ours, theirs = (left_out(model, given, recording, BLOCK) for model in (answer.augmented_model, answer.base_model))
     told = f"in blocks of {1e3 * BLOCK:g} ms that were left out: relative residual"
     return [Row(f"{name} {told}", "error", "1", ours[name], "single mass", theirs[name]) for name in ours]
 

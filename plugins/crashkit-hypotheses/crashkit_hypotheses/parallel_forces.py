@@ -20,10 +20,12 @@ BRISTLE = 0.05
 """Of the deformation reached: length of a bristle to start from."""
 SLOWEST = 0.5
 """m/s, below which friction is not asked how it changes with the rate."""
-LATEST = 0.3
-"""Of the deformation reached: folds are looked for from there at the latest."""
-FOLDS = (1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 8.0, 10.0, 12.5)
+LATEST, LAST = 0.3, 0.5
+"""Of the deformation reached: folds are looked for from there at the latest, and none begin later."""
+FOLDS = (2.0, 2.75, 3.5, 4.5, 5.5, 6.5, 8.0, 10.0, 12.5)
 """How many folds to start from: a search only finds the number that is nearest."""
+LONGEST, LONGEST_SHAPED = 0.5, 0.4
+"""Of the deformation reached: what is longer does not repeat. It could be any force, above all in folds of any shape."""
 PHASES = (0.0, -1 / 3, 1 / 3)
 """Where in a fold the first begins, likewise."""
 
@@ -129,11 +131,12 @@ class ProgressiveFolding(Hypothesis):
         reached, plateau = largest_deformation(motion, joint.name), _plateau(motion, joint.name)
         folds = {
             "amplitude": Parameter(0.0, 0.0, 1e7),
-            "fold_length": Parameter(0.2 * reached, 0.02 * reached, 0.8 * reached),
-            "onset": Parameter(0.0, 0.0, 0.8 * reached),
+            "fold_length": Parameter(0.2 * reached, 0.02 * reached, LONGEST * reached),
+            "onset": Parameter(0.0, 0.0, LAST * reached),
         }
         shaped = {
             **folds,
+            "fold_length": Parameter(0.2 * reached, 0.02 * reached, LONGEST_SHAPED * reached),
             "skew": Parameter(0.0, -0.95, 0.95),
             "arch": Parameter(0.1, 0.0, 0.95),
             "shortening": Parameter(0.01, 0.0, 0.5),
@@ -141,7 +144,7 @@ class ProgressiveFolding(Hypothesis):
         begin = min(plateau, LATEST * reached)
         lengths = [(reached - begin) / number for number in FOLDS]
         starts = [{"fold_length": one, "onset": max(0.0, begin + phase * one)} for phase in PHASES for one in lengths]
-        of_one_phase = starts[: len(lengths)]
+        of_one_phase = [start for start in starts[: len(lengths)] if start["fold_length"] < LONGEST_SHAPED * reached]
         return [
             added(model, joint, self.physics, "sine", "folding", folds, "amplitude", starts),
             added(model, joint, self.physics, "shaped", "folding", shaped, "amplitude", of_one_phase),
