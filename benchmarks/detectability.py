@@ -1,8 +1,8 @@
 """The smallest effect that is found: each physics, in several vehicles, at sizes between which one is halved.
 
 Vehicles have one body and all instruments, each secret its plainest form. A size is what the secret leaves in the recordings
-once the model's own numbers are tuned to them, in standard deviations; found means that the whole answer is right. Writes the
-table and the figure of docs/blind-trial.md to docs/detectability.
+once the model's own numbers are tuned to them, in standard deviations; found means that the whole answer is right. Prints
+the table of docs/blind-trial.md, and draws its figure.
 """
 
 from argparse import ArgumentParser, Namespace
@@ -27,7 +27,7 @@ SIZES = (4.0, 5.7, 8.0, 11.3, 16.0, 22.6, 32.0, 45.0, 64.0)
 """Standard deviations; a case may be a tenth off."""
 LIMIT = 240.0
 """s that a diagnosis may take."""
-FOLDER = Path(__file__).parent.parent / "docs" / "detectability"
+FIGURE = Path(__file__).parent.parent / "docs" / "detectability" / "curve.png"
 
 
 @frozen
@@ -58,9 +58,9 @@ def run(options: Namespace) -> list[Row]:
     tasks = [(physics, (options.seed, number)) for physics in options.only for number in range(options.vehicles)]
     with ProcessPoolExecutor(options.workers, mp_context=get_context("spawn")) as executor:
         thresholds = [one for one in executor.map(threshold, *zip(*tasks, strict=True)) if one is not None]
-    FOLDER.mkdir(exist_ok=True)
-    (FOLDER / "table.md").write_text(table(thresholds) + "\n", encoding="utf-8")
-    draw(thresholds, FOLDER / "curve.png")
+    print(table(thresholds), end="\n\n")
+    FIGURE.parent.mkdir(exist_ok=True)
+    draw(thresholds, FIGURE)
     groups = {physics: [one for one in thresholds if one.physics == physics] for physics in options.only}
     told = "found from, standard deviations, median"
     return [

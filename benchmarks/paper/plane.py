@@ -51,16 +51,11 @@ def bounds(barriers: Sequence[str], instruments: dict[str, bool]) -> tuple[list[
         jacobian = misfit.residual_and_jacobian(misfit.start())[1][:, columns]
         share = np.abs(misfit.parameters(misfit.start()) / misfit.scaling(misfit.start()))[columns]
         information += (jacobian * share).T @ (jacobian * share)
-    return names, _deviations(information)
+    return names, relative_bounds(information)
 
 
-def relative_bounds(jacobian: np.ndarray) -> np.ndarray:
-    """The smallest relative standard deviations, from weighted residuals' derivatives to relative changes."""
-    return _deviations(jacobian.T @ jacobian)
-
-
-def _deviations(information: np.ndarray) -> np.ndarray:
-    """Nothing is known of a value beforehand but its size: a deviation of ten times it."""
+def relative_bounds(information: np.ndarray) -> np.ndarray:
+    """The smallest relative deviations; beforehand nothing is known of a value but its size, a deviation of ten times it."""
     return np.asarray(np.sqrt(np.diag(np.linalg.inv(information + 0.01 * np.eye(len(information))))))
 
 

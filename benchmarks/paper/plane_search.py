@@ -3,6 +3,7 @@
 from time import process_time
 
 import numpy as np
+import xarray as xr
 
 from benchmarks.paper.plane import BOTH, FOLDER, line, misfit_of, relative_bounds
 from crashkit.api import load_model
@@ -31,7 +32,8 @@ def _row(spread: float, method: str, seed: int) -> str:
     random = np.random.default_rng(seed)
     truth = _recorded(random)
     exact = truth.parameters(truth.start())
-    bounds = relative_bounds(truth.residual_and_jacobian(truth.start())[1] * np.abs(exact) / truth.scaling(truth.start()))
+    jacobian = truth.residual_and_jacobian(truth.start())[1] * np.abs(exact) / truth.scaling(truth.start())
+    bounds = relative_bounds(jacobian.T @ jacobian)
     start = exact * np.exp(spread * random.uniform(-1.0, 1.0, len(exact)))
     began = process_time()
     found = run(METHODS[method], truth.with_values(dict(zip(truth.names, start.tolist(), strict=True))))
@@ -54,5 +56,5 @@ def _recorded(random: np.random.Generator) -> Misfit:
         readings = prediction.samples + stds * random.normal(size=prediction.samples.shape)
         recorded = trees[group.name][group.observer.quantity]
         trees[group.name][group.observer.quantity] = recorded.copy(data=readings.reshape(recorded.shape))
-    tree = silent.recordings["run"].assign(trees)
+    tree = silent.recordings["run"].assign({name: xr.DataTree(tree) for name, tree in trees.items()})
     return Misfit(model, {"run": tree}, registry.spring_laws, registry.observers, silent.simulator.engine)
