@@ -8,6 +8,7 @@ from attrs import evolve
 from scipy.integrate import cumulative_trapezoid
 
 from crashkit.diagnose.fits import fit_of, predict
+from crashkit.errors import SimulationError
 from crashkit.mechanics.along import forces_along
 from crashkit.misfit import Misfit
 from crashkit.model import Joint, Model, Parameter
@@ -48,11 +49,19 @@ def sparse_regression(fitted: Misfit, unseen: Misfit) -> tuple[list[np.ndarray],
     """Predicted samples of each held-out group, and the joint with the largest terms."""
     laws = {**load().spring_laws, Cubic.name: Cubic}
     tried = [fitted.with_model(_regressed(fitted, threshold), laws) for threshold in THRESHOLDS]
-    best = min(tried, key=lambda one: fit_of(one, predict(one)).normalised_rmse)
+    best = min(tried, key=_left)
     sizes = {joint.name: sum(abs(c.value) for c in joint.parameters["coefficient"]) for joint in _added(best.model)}
     guilty = max(sizes, key=lambda name: sizes[name])
     told = predict(unseen.with_model(best.model, laws, best.simulator.engine))
     return [one.samples for one in told], guilty.removesuffix("_missing") if sizes[guilty] else ""
+
+
+def _left(fitted: Misfit) -> float:
+    """Residual over noise; infinite where the forces are such that nothing can be simulated."""
+    try:
+        return fit_of(fitted, predict(fitted)).normalised_rmse
+    except SimulationError:
+        return np.inf
 
 
 def _added(model: Model) -> list[Joint]:

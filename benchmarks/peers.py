@@ -27,6 +27,7 @@ from benchmarks.blind.score import score
 from benchmarks.blind.trial import diagnosed
 from crashkit.api import load_model, load_recordings
 from crashkit.diagnose.fits import fit_of, predict
+from crashkit.errors import SimulationError
 from crashkit.misfit import Misfit
 from crashkit.misfit.predictor import Prediction
 from crashkit.registry import load
@@ -111,7 +112,7 @@ def _rows(number: int, answer: dict[str, Any], folder: Path, limit: float) -> li
     rows = [Row(f"{name}: time", "time", "s", seconds, "scipy's calibration", perf_counter() - start)]
     for peer, (package, method) in PEERS.items():
         there = find_spec(package) is not None
-        theirs.append((peer, *(_judged(unseen, *method(fitted, unseen), answer) if there else (None, None))))
+        theirs.append((peer, *(_tried(method, fitted, unseen, answer) if there else (None, None))))
     for peer, residual, right in theirs:
         rows.append(Row(f"{name}: held-out residual over noise", "error", "1", ours, peer, residual))
         rows.append(Row(f"{name}: named what was concealed (theirs: the place at most)", "rate", "1", named, peer, right))
@@ -129,6 +130,14 @@ def _calibrated(folder: Path) -> tuple[Misfit, Misfit]:
     start = np.clip(runs.start(), lower + 1e-9, upper - 1e-9)
     values = runs.values(least_squares(runs.residual, start, bounds=(lower, upper), diff_step=DIFFERENCE).x)
     return runs.with_values(values), unseen.with_values(values)
+
+
+def _tried(method: Peer, fitted: Misfit, unseen: Misfit, answer: dict[str, Any]) -> tuple[float, float]:
+    """What a peer's prediction is worth; nothing where what it found cannot be simulated."""
+    try:
+        return _judged(unseen, *method(fitted, unseen), answer)
+    except SimulationError:
+        return np.inf, 0.0
 
 
 def _judged(unseen: Misfit, samples: list[np.ndarray], guilty: str, answer: dict[str, Any]) -> tuple[float, float]:

@@ -57,8 +57,11 @@ class Duel:
             difference: d, (reading,) in units of noise.
             jacobian: J, (reading, parameter) of the rival's predictions to its search variables; A is `information`.
         """
-        drawn = jacobian.T @ difference
-        taken_up = drawn @ np.linalg.pinv(self.information + jacobian.T @ jacobian, hermitian=True) @ drawn
+        known = self.information + jacobian.T @ jacobian
+        size = np.sqrt(np.diag(known))
+        size = np.where(size > 0.0, size, 1.0)  # parameters have units of their own
+        drawn = jacobian.T @ difference / size
+        taken_up = drawn @ np.linalg.pinv(known / np.outer(size, size), hermitian=True) @ drawn
         return float(np.sqrt(max(difference @ difference - taken_up, 0.0)))
 
 
