@@ -15,22 +15,25 @@ BIN = 1e-3
 
 
 def recorded_motion(misfit: Misfit, run: str, simulated: xr.Dataset, smoother: Smoother) -> xr.Dataset:
-    """The motion that the instruments of a run saw, at the simulation's instants; unseen bodies move as simulated.
+    """A fitted simulation with the accelerations that the instruments of the run saw.
 
-    Position and velocity come from accelerometers by integration from the initial state where there are any, else from
-    film through the smoother; acceleration likewise. The variable `observed` (body) says which bodies an instrument saw.
+    They come from accelerometers, else from film through the smoother. Positions and velocities stay those of the simulation,
+    which agrees with all instruments: accelerations drift by centimetres when integrated twice, and a joint that unloads makes
+    hundreds of kilonewtons of these. The variable `observed` (body) says which bodies an instrument saw.
     """
-    motion = simulated[["position", "velocity", "acceleration"]].copy(deep=True)
-    observed = xr.zeros_like(motion["body"], dtype=bool)
+    acceleration = simulated["acceleration"].copy(deep=True)
+    observed = xr.zeros_like(simulated["body"], dtype=bool)
     for group in [g for g in misfit.groups if g.run == run and g.observer.quantity in ("position", "acceleration")]:
         seen = group.observer.reconstruct(group.dataset)
         for body in seen["body"].values:
+            at = {"body": body, "axis": acceleration["axis"].values[0]}
             if group.observer.quantity == "acceleration":
-                _from_acceleration(motion, seen["acceleration"].sel(body=body), str(body))
+                acceleration.loc[at] = _interpolated(seen["acceleration"].sel(body=body), acceleration["time"].values)
             elif not observed.sel(body=body):
-                _from_position(motion, seen["position"].sel(body=body), str(body), smoother)
+                smooth = smoother.smooth(seen["position"].sel(body=body).isel(axis=0, drop=True))
+                acceleration.loc[at] = np.interp(acceleration["time"], smooth["time"], smooth["second_derivative"])
             observed.loc[{"body": body}] = True
-    return motion.assign(observed=observed)
+    return simulated[["position", "velocity"]].assign(acceleration=acceleration, observed=observed)
 
 
 def missing_force(model: Model, laws: Mapping[str, type[SpringLaw]], motion: xr.Dataset) -> xr.Dataset:
@@ -78,25 +81,6 @@ def binned(times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarra
     return mean(times), centre, spread
 
 
-def _from_acceleration(motion: xr.Dataset, acceleration: xr.DataArray, body: str) -> None:
+def _interpolated(acceleration: xr.DataArray, times: np.ndarray) -> np.ndarray:
     known = acceleration.isel(axis=0).dropna("time")
-    values = np.interp(motion["time"].values, known["time"].values, known.values)
-    step = np.diff(motion["time"].values)
-    start = motion.sel(body=body).isel(time=0, axis=0)
-    velocity = float(start["velocity"]) + np.concatenate([[0.0], np.cumsum(0.5 * step * (values[1:] + values[:-1]))])
-    position = float(start["position"]) + np.concatenate([[0.0], np.cumsum(0.5 * step * (velocity[1:] + velocity[:-1]))])
-    _store(motion, body, position, velocity, values)
-
-
-def _from_position(motion: xr.Dataset, position: xr.DataArray, body: str, smoother: Smoother) -> None:
-    smooth = smoother.smooth(position.isel(axis=0, drop=True))
-    names = ("value", "first_derivative", "second_derivative")
-    times = motion["time"].values
-    _store(motion, body, *(np.interp(times, smooth["time"].values, smooth[name].values) for name in names))
-
-
-def _store(motion: xr.Dataset, body: str, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> None:
-    at = {"body": body, "axis": motion["axis"].values[0]}
-    motion["position"].loc[at] = position
-    motion["velocity"].loc[at] = velocity
-    motion["acceleration"].loc[at] = acceleration
+    return np.interp(times, known["time"].values, known.values)

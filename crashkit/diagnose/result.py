@@ -89,8 +89,8 @@ class Diagnosis:
         curves: one group per "run/instrument" with `recorded`, `before`, `after` and `std` over (time, channel), the
             attributes `holdout` (0/1), `quantity` and `units`.
         missing_force: one group per finding ("0", "1", ...) and run below it, over `time`: `missing_force` (N, from the
-            recordings by inverse dynamics), `missing_force_std`, `modelled_force` (what the finding adds), `deformation`,
-            `deformation_rate`; attributes `place`, `holdout`. Empty for sensors.
+            recorded accelerations by inverse dynamics along the fitted motion), `missing_force_std`, `modelled_force` (what
+            the finding adds), `deformation`, `deformation_rate`; attributes `place`, `holdout`. Empty for sensors.
         ranking: Dataset over `hypothesis` with `physics`, `form`, `place`, `round` (1 for the first finding, ...),
             `parameters` (how many), `misfit_drop` (in chi squared), `left_out_drop` (on runs left out; NaN if not tried),
             `probability`.
