@@ -105,6 +105,8 @@ def read_law(
 def read_function(law: str, part: str, function: Callable[..., Any]) -> LawSource:
     """The source of a function that is, or is called by, the part of a law; raises OutsideSubset where it has none."""
     try:
+        if getattr(getattr(function, "__code__", None), "co_filename", "") == "<string>":
+            raise OSError("it is not in a file")  # Python 3.13 would lend it the text of another string that was run
         lines, first_line = inspect.getsourcelines(function)
         file = inspect.getsourcefile(function) or "?"
         tree = ast.parse(textwrap.dedent("".join(lines))).body[0]
