@@ -90,11 +90,12 @@ def rates(bodies, state, row):
 
 
 @inlined
-def rates_tangent(bodies, state, tangent, rows, row):
+def rates_tangent(bodies, state, tangent, row):
     """The derivatives of `rates` to the columns."""
-    half, n = rows.shape[1] // 2, DOF * bodies.size * tangent.shape[2]
-    for i in range(n):
-        rows[row, half + i] = rows[row, n + i]
+    size = state.shape[1] // 2
+    for i in range(bodies.size):
+        for c in range(tangent.shape[2]):
+            tangent[row, size + i, c] = tangent[row, bodies.size + i, c]
 
 
 @inlined

@@ -193,11 +193,12 @@ def rates(bodies, state, row):
 
 
 @inlined
-def rates_tangent(bodies, state, tangent, rows, row):
+def rates_tangent(bodies, state, tangent, row):
     """The derivatives of `rates` to the columns."""
-    half, n = rows.shape[1] // 2, DOF * bodies.size * tangent.shape[2]
+    size, n = state.shape[1] // 2, DOF * bodies.size
     for i in range(n):
-        rows[row, half + i] = rows[row, n + i]
+        for c in range(tangent.shape[2]):
+            tangent[row, size + i, c] = tangent[row, n + i, c]
 
 
 @inlined

@@ -93,7 +93,7 @@ def rates(bodies, state, row):
 
 
 @compiled
-def rates_tangent(bodies, state, tangent, rows, row):
+def rates_tangent(bodies, state, tangent, row):
     """The derivatives of `rates` to the columns."""
     size, n = state.shape[1] // 2, 6 * bodies.size
     for i in range(0, n, 6):

@@ -162,7 +162,7 @@ def accelerate_tangent(
                 memory_tangent(joint, functions[f], parameters, state, columns, tangent, own, partials[f], row, size + memory)
     add_given(bodies, given, t, piece)
     respond_tangent(bodies, net_tangent, state, tangent, row)
-    rates_tangent(bodies, state, tangent, tangent.reshape((tangent.shape[0], -1)), row)
+    rates_tangent(bodies, state, tangent, row)
 
 
 @compiled
@@ -170,20 +170,21 @@ def step_tangent(
     bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, net_tangent, t, piece, h
 ):
     """The derivative of the Runge-Kutta step whose stages `state` holds; START moves to its end."""
-    rows = tangent.reshape((tangent.shape[0], -1))
-    half = rows.shape[1] // 2
+    size = state.shape[1] // 2
     for row in range(1, 4):
         part = h if row == 3 else 0.5 * h
-        for i in range(half):
-            rows[row, i] = rows[START, i] + part * rows[row - 1, half + i]
+        for i in range(size):
+            for c in range(tangent.shape[2]):
+                tangent[row, i, c] = tangent[START, i, c] + part * tangent[row - 1, size + i, c]
         to_rotations(bodies, state, tangent, row, row)
         accelerate_tangent(
             bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, net_tangent,
             row, t + part, piece,
         )  # fmt: skip
-    for i in range(half):
-        inner = rows[1, half + i] + rows[2, half + i]
-        rows[START, i] += h / 6.0 * (rows[START, half + i] + 2.0 * inner + rows[3, half + i])
+    for i in range(size):
+        for c in range(tangent.shape[2]):
+            inner = tangent[1, size + i, c] + tangent[2, size + i, c]
+            tangent[START, i, c] += h / 6.0 * (tangent[START, size + i, c] + 2.0 * inner + tangent[3, size + i, c])
     to_rotations(bodies, state, tangent, START, END)
 
 
