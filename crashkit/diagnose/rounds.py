@@ -250,7 +250,7 @@ def _reconsider(
 def needed(
     workshop: Workshop, rounds: Sequence[Round], base: Search, final: Search
 ) -> tuple[tuple[Round, ...], Search, Search]:
-    """The findings without which the fit is worse, and the fits of the model without any and with these.
+    """The findings without which the fit is worse by more than their price, and the fits without any and with these.
 
     An early finding may only have led the search past a local optimum.
     """
@@ -259,9 +259,14 @@ def needed(
         others = [one for one in kept if one is not look]
         base = min(base, without_winner(base, look.rivals[0]), key=lambda search: search.deviance)
         without = rebuild(workshop, base, [one.rivals[0] for one in others], final)
-        if without is not None and without.deviance < final.deviance + LEAST_DROP:
+        if without is not None and without.deviance < final.deviance + price(look.rivals[0].proposal, final.misfit):
             kept, final = others, without
     return tuple(kept), base, final
+
+
+def price(proposal: Proposal, misfit: Misfit) -> float:
+    """Chi squared that a finding must explain to be worth its parameters, as the evidence counts them (Schwarz 1978)."""
+    return max(LEAST_DROP, len(proposal.parameters) * float(np.log(misfit.independent_samples)))
 
 
 def _as_given(current: Misfit, given: Misfit) -> Misfit:

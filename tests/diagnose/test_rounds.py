@@ -7,7 +7,7 @@ from attrs import evolve
 from crashkit.diagnose.left_out import left_out_drop
 from crashkit.diagnose.name import Rival
 from crashkit.diagnose.reidentify import reidentify
-from crashkit.diagnose.rounds import LEAST_DROP, Round, _corrects, _is_given, _least_drop, _settled, needed
+from crashkit.diagnose.rounds import LEAST_DROP, Round, _corrects, _is_given, _least_drop, _settled, needed, price
 from crashkit.diagnose.search import begin
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_joint
@@ -44,6 +44,15 @@ def test_a_finding_that_the_fit_can_spare_is_dropped(workshop, offered):
 def test_a_finding_that_the_fit_needs_is_kept(workshop, offered):
     look, base, final = offered(800.0)
     assert needed(workshop, (look,), base, final) == ((look,), base, final)
+
+
+def test_the_price_of_a_table_is_that_of_its_heights(misfit, model, recorded):
+    """An early search may have ended in a valley, where a table helped; at the end it must be worth its heights there too."""
+    one = misfit(model, run=recorded(model))
+    samples = np.log(one.independent_samples)
+    dashpot, table = (Proposal("any", "", {"joint": "first"}, model, ("a",) * count, {}) for count in (1, 25))
+    assert price(dashpot, one) == LEAST_DROP
+    assert price(table, one) == pytest.approx(25.0 * samples) and price(table, one) > 5.0 * LEAST_DROP
 
 
 def test_a_table_corrects_a_law_that_was_named_at_its_place():
