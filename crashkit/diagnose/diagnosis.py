@@ -13,7 +13,7 @@ from crashkit.diagnose.fits import curves_of, fit_of, predict
 from crashkit.diagnose.name import FLOOR
 from crashkit.diagnose.reidentify import STEPS, refine, reidentify
 from crashkit.diagnose.result import UNKNOWN, Alternative, Diagnosis, Finding, Fit, place_of
-from crashkit.diagnose.rounds import Discovery, Round, discover, needed, run_drops
+from crashkit.diagnose.rounds import Discovery, Round, discover, needed, price, run_drops
 from crashkit.diagnose.search import Search, begin
 from crashkit.diagnose.show import action_of, identified_table, limits_table, missing_force_tree, ranking_table, units_of
 from crashkit.diagnose.words import noted, nothing_predicted, summarise
@@ -112,7 +112,15 @@ def _refined(workshop: Workshop, discovery: Discovery, model: Model, recordings:
     searches = [_sharpened(workshop, model, recordings, search) for search in searches]
     full = _weighed_alike(workshop.first_misfit(model, recordings), discovery.final)
     base, final = (workshop.misfit(full, search.fitted().model) for search in searches)
+    if rounds and _is_worthless(rounds, base, final):
+        return evolve(discovery, base=base, final=base, search=searches[0].unbelieving(), rounds=())
     return evolve(discovery, base=base, final=final, search=searches[1].unbelieving(), rounds=rounds)
+
+
+def _is_worthless(rounds: Sequence[Round], base: Misfit, final: Misfit) -> bool:
+    """Whether all samples together show less than the findings cost: then these explained what thinning had left."""
+    before, after = (misfit.deviance(misfit.residual(misfit.start())) for misfit in (base, final))
+    return before - after < sum(price(look.rivals[0].proposal, final) for look in rounds)
 
 
 def _sharpened(workshop: Workshop, model: Model, recordings: Mapping[str, xr.DataTree], search: Search) -> Search:
