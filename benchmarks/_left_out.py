@@ -37,12 +37,11 @@ def left_out(model: Model, given: Model, recording: xr.DataTree, width: float) -
 
 def without(recording: xr.DataTree, start: float, end: float) -> xr.DataTree:
     """The recording, its samples from `start` to before `end`, s, hidden."""
-    quantities = {"accelerometer": "acceleration", "load_cell": "force", "film": "position"}
-    groups = {}
+    observers, groups = load().observers, {}
     for name, node in recording.children.items():
         dataset = node.to_dataset(inherit=False)
-        quantity = quantities.get(dataset.attrs.get("observer", ""))
-        if quantity:
+        if "observer" in dataset.attrs:
+            quantity = observers[dataset.attrs["observer"]].quantity
             hidden = (dataset["time"] >= start) & (dataset["time"] < end)
             groups[name] = xr.DataTree(dataset.assign({quantity: dataset[quantity].where(~hidden)}))
     return recording.assign(groups)

@@ -8,7 +8,6 @@ instruments, so that only ideas are compared. Only structural physics is conceal
 one body with all instruments, whose only joint is easily named; the noise is told.
 """
 
-import json
 import warnings
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable
@@ -24,7 +23,7 @@ from scipy.optimize import least_squares
 from benchmarks import Row
 from benchmarks._sparse import sparse_regression
 from benchmarks.blind.score import score
-from benchmarks.blind.trial import diagnosed
+from benchmarks.blind.trial import diagnosed, read_diagnosis
 from crashkit.api import load_model, load_recordings
 from crashkit.diagnose.fits import fit_of, predict
 from crashkit.errors import SimulationError
@@ -102,8 +101,8 @@ def _rows(number: int, answer: dict[str, Any], folder: Path, limit: float) -> li
     secret = answer["secrets"][0]
     name = f"case {number}, {secret['physics']} ({secret['form']}), {answer['size']}"
     seconds = diagnosed(folder, folder / "diagnosis", limit)["seconds"]
-    path = folder / "diagnosis" / "diagnosis.json"
-    said = json.loads(path.read_text(encoding="utf-8")) if path.exists() else None  # a crash, or beyond the limit
+    answered = (folder / "diagnosis" / "diagnosis.json").exists()
+    said = read_diagnosis(folder / "diagnosis") if answered else None  # a crash, or beyond the limit
     ours = said["fit"]["holdout"]["after"]["normalised_rmse"] if said else np.nan
     named = float(said is not None and score(said, answer).place_right)
     start = perf_counter()

@@ -8,7 +8,7 @@ from attrs import evolve
 from crashkit.diagnose.consistency import by_run, check_instruments
 from crashkit.diagnose.contest import Progress
 from crashkit.diagnose.experiment import experiment
-from crashkit.diagnose.finding import estimates, make_finding, stand_ins, with_experiment
+from crashkit.diagnose.finding import estimates, make_finding, stand_ins
 from crashkit.diagnose.fits import curves_of, fit_of, predict
 from crashkit.diagnose.name import FLOOR
 from crashkit.diagnose.reidentify import STEPS, refine, reidentify
@@ -229,7 +229,7 @@ def _with_experiment(finding: Finding, look: Round, bodies: Sequence[Body]) -> F
         return finding
     first, second = look.rivals[:2]
     name = f"{second.proposal.physics} at {place_of(second.proposal.location)}"
-    return with_experiment(finding, experiment(first.search.fitted(), second.search.fitted(), name, bodies))
+    return evolve(finding, experiment=experiment(first.search.fitted(), second.search.fitted(), name, bodies))
 
 
 def _verdict(findings: tuple[Finding, ...], explains: bool) -> str:

@@ -82,11 +82,6 @@ def stand_ins(findings: Sequence[Finding], sentence: str) -> Finding:
     )
 
 
-def with_experiment(finding: Finding, sentence: str) -> Finding:
-    """The finding with the test that would separate its rivals."""
-    return evolve(finding, experiment=sentence)
-
-
 def _told(location: Mapping[str, object]) -> dict[str, object]:
     return {key: list(value) if isinstance(value, tuple) else value for key, value in location.items()}
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from attrs import evolve
 
+from crashkit.diagnose.diagnosis import _is_worthless
 from crashkit.diagnose.left_out import left_out_drop
 from crashkit.diagnose.name import Rival
 from crashkit.diagnose.reidentify import reidentify
@@ -44,6 +45,12 @@ def test_a_finding_that_the_fit_can_spare_is_dropped(workshop, offered):
 def test_a_finding_that_the_fit_needs_is_kept(workshop, offered):
     look, base, final = offered(800.0)
     assert needed(workshop, (look,), base, final) == ((look,), base, final)
+
+
+def test_what_all_samples_do_not_pay_for_is_worthless(offered):
+    for damping, worthless in ((0.0, True), (800.0, False)):
+        look, base, final = offered(damping)
+        assert _is_worthless((look,), base.fitted(), final.fitted()) is worthless
 
 
 def test_the_price_of_a_table_is_that_of_its_heights(misfit, model, recorded):
