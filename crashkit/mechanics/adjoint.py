@@ -44,11 +44,11 @@ def sweep_back(
     of_state, own = np.zeros((max(rows) + 1, 2 * size)), np.zeros((max(rows) + 1, seeds.shape[1] - 4 * n))
     of_state[rows, : 2 * n], of_state[rows, size : size + 2 * n] = seeds[:, : 2 * n], seeds[:, 2 * n : 4 * n]
     own[rows] = seeds[:, 4 * n :]
-    start = np.zeros(size)
+    start, rooms = np.zeros(size), (np.zeros(size), np.zeros(n), np.zeros(own.shape[1]), np.zeros((4, size)))
     gradients = np.zeros(layout.parameters.size), np.zeros((joints, 2 + 2 * axes)), np.zeros((work.bodies.size, 7))
     free = np.isnan(layout.free_lengths)
     arrays = work.bodies, work.joints, work.functions, work.parameters, work.given, work.state, work.partials
-    engine.module.sweep(history, steps, *arrays, of_state, own, free, start, *gradients)
+    engine.module.sweep(history, steps, *arrays, of_state, own, free, *rooms, start, *gradients)
     return np.array([_to_parameter(layout, path, start, *gradients) for path in parameters])
 
 

@@ -32,8 +32,11 @@ from crashkit.mechanics.laws.linking import Laws
 from numba import njit, types
 
 how = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
-within = {**how, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-compiled, inlined, entry = njit(**within), njit(**within, forceinline=True), njit(**how, cache=True)
+within = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+uncounted = {**how, "_nrt": False}  # to count references to arrays took half of a run, and the kernel makes no arrays
+jitted = njit(**how, **within, _nrt=True)
+compiled, inlined = njit(**uncounted, **within), njit(**uncounted, **within, forceinline=True)
+entry = njit(**uncounted, cache=True)
 laws = Laws(__name__)
 scalar, definition = laws.add, laws.define()
 
@@ -48,7 +51,7 @@ USED = (KERNEL / "arrays.py", *(Path(__file__).parent / "laws" / name for name i
 """What a generated module takes from crashkit as it is."""
 GEOMETRY = {1: ("line",), 2: ("plane",), 3: ("vectors", "rotations", "space")}
 """The modules of the kernel that know the geometry, by number of axes."""
-MODULES = ("forces", "steps", "tangents", "jumps", "history", "run", "adjoint")
+MODULES = ("forces", "steps", "landing", "tangents", "jumps", "history", "run", "adjoint")
 ENTRIES = ("integrate", "integrate_many", "sweep")
 DATED = 1_000_000_000
 """Modification time of a generated module: the same whoever writes it, so that compiled code stays valid."""
@@ -149,7 +152,7 @@ def _text(module: str) -> str:
 def _dispatch(kind: str, arguments: Iterable[str], laws: list[str]) -> str:
     """What calls a function of any law; those that numba compiles are called by their names."""
     given = ", ".join(arguments)
-    compiled = [n for n, text in enumerate(laws) if f"@compiled\ndef law_{n}_{kind}(" in text]
+    compiled = [n for n, text in enumerate(laws) if f"@jitted\ndef law_{n}_{kind}(" in text]
     lines = ["@compiled", f"def law_{kind}(number, {given}):"]
     lines += [f"    if number == {n}:\n        return law_{n}_{kind}({given})" for n in compiled]
     return "\n".join([f'other_{kind} = laws.call("{kind}")', "", "", *lines, f"    return other_{kind}(number, {given})"])

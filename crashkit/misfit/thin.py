@@ -44,11 +44,13 @@ def _thin(instrument: xr.Dataset, quantity: str) -> xr.Dataset:
     is_closed = 0 < filter_class < OPEN_CLASS
     wanted = min(SEARCH_INTERVAL, 1.0 / (FILTER_MARGIN * filter_class)) if is_closed else SEARCH_INTERVAL
     factor = int(wanted / interval + 1e-6)
+    if not is_closed:
+        factor -= 1 - factor % 2  # blocks are centred on samples
     if factor < 2 or np.ptp(steps) > 0.01 * interval:
         return instrument
     if is_closed:
         return instrument.isel(time=slice(None, None, factor))
-    return _averaged(instrument, quantity, factor if factor % 2 else factor - 1, filter_class)
+    return _averaged(instrument, quantity, factor, filter_class)
 
 
 def _averaged(instrument: xr.Dataset, quantity: str, factor: int, filter_class: int) -> xr.Dataset:

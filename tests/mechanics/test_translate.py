@@ -52,10 +52,10 @@ def engine():
 
 @pytest.fixture(scope="module")
 def compiled(engine):
-    """The functions of any law by its number: mode, frozen, partials and guard."""
+    """The functions of any law by its number: mode, frozen, distance, partials and guard."""
     module = engine.module
     define_laws, law_mode, law_frozen = module.define_laws, module.law_mode, module.law_frozen
-    law_partials, law_guard = module.law_partials, module.law_guard
+    law_distance, law_partials, law_guard = module.law_distance, module.law_partials, module.law_guard
 
     @numba.njit
     def mode(number, d, ddot, d_max, z, p):
@@ -68,6 +68,11 @@ def compiled(engine):
         return law_frozen(number, bits, d, ddot, d_max, z, p, 0)
 
     @numba.njit
+    def distance(number, which, bits, d, ddot, d_max, z, p):
+        define_laws()
+        return law_distance(number, which, bits, d, ddot, d_max, z, p, 0)
+
+    @numba.njit
     def partials(number, bits, d, ddot, d_max, z, p, out):
         define_laws()
         return law_partials(number, bits, d, ddot, d_max, z, p, 0, out)
@@ -77,7 +82,7 @@ def compiled(engine):
         define_laws()
         return law_guard(number, bits, d, ddot, d_max, z, p, 0, out)
 
-    return mode, frozen, partials, guard
+    return mode, frozen, distance, partials, guard
 
 
 def in_python(written, state, numbers):
@@ -102,9 +107,13 @@ def test_every_law_gives_what_its_text_gives_in_python(engine, compiled, data):
     except (ArithmeticError, ValueError, RuntimeWarning):  # compiled code goes on with nan or infinity
         assume(False)
     assume(all(np.isfinite(slope[:-1]).all() for slope in slopes))
-    number, (mode, frozen, *derivatives) = engine.numbers[function], compiled
+    number, (mode, frozen, distance, *derivatives) = engine.numbers[function], compiled
     assert mode(number, *state, numbers) == bits
     assert frozen(number, bits, *state, numbers) == pytest.approx(value, rel=1e-12, abs=1e-12)
+    distances = [distance(number, which, bits, *state, numbers) for which in range(62)]
+    written = [plain(function).distance(which, bits, *state, numbers, 0) for which in range(62)]
+    np.testing.assert_allclose(distances, written, rtol=1e-12, atol=1e-12)
+    assert min(distances) == pytest.approx(value[1], rel=1e-12, abs=1e-12)
     for derivative, expected in zip(derivatives, slopes, strict=True):
         found = np.zeros(4 + numbers.size)
         found = np.append(found, derivative(number, bits, *state, numbers, found))

@@ -68,6 +68,13 @@ def test_samples_at_uneven_times_are_left_alone(run, quantities, changed):
     assert thinned(uneven, quantities)["accelerometer"].sizes["time"] == 1997
 
 
+@pytest.mark.parametrize("cfc", [0, 600])
+def test_a_channel_that_is_hardly_too_fast_is_left_alone(recorded, model, changed, quantities, cfc):
+    """Two samples make no block about one of them; called white, a filtered channel would seem to have hardly any noise."""
+    run = changed(recorded(model, interval=2e-4), "accelerometer", lambda one: one.assign_attrs(channel_frequency_class=cfc))
+    assert thinned(run, quantities)["accelerometer"].identical(run["accelerometer"])
+
+
 def test_a_filtered_channel_keeps_the_rate_that_its_filter_needs(run, quantities, changed):
     filtered = changed(run, "accelerometer", lambda dataset: dataset.assign_attrs(channel_frequency_class=180))
     after = thinned(filtered, quantities)["accelerometer"].to_dataset(inherit=False)

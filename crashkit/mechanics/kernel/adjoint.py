@@ -10,8 +10,6 @@ the adjoint at its start is lam + mu_0 + mu_1 + mu_2 + mu_3, and what stands in 
 (Mizzi & Jezequel 1992, eq 56-64, where the adjoint equation is solved instead.)
 """
 
-import numpy as np
-
 from crashkit.mechanics.kernel.arrays import END, NONE, START, TO_D, TO_D_MAX, TO_MEMORY, TO_PARAMETERS, TO_RATE
 from crashkit.mechanics.kernel.forces import accelerate, add_given, begin_forces, kinematics, push
 from crashkit.mechanics.kernel.history import recall, recall_branches
@@ -164,6 +162,8 @@ def begin_adjoint(bodies, joints, state, lam, joint_gradient, free):
 
     Arguments:
         free: by joint, whether its free length is the distance at t = 0.
+        response, load, nothing, mu: room for the adjoint of the state's derivative, of the forces, of what is recorded
+            beside the state (all 0), and of the state at each stage.
     """
     locate(bodies, state, START)
     for j in range(joints.size):
@@ -252,8 +252,8 @@ def step_adjoint(
 
 @compiled
 def sweep(
-    history, steps, bodies, joints, functions, parameters, given, state, partials, seeds, own_seeds, free, lam,
-    parameter_gradient, joint_gradient, body_gradient,
+    history, steps, bodies, joints, functions, parameters, given, state, partials, seeds, own_seeds, free, response, load,
+    nothing, mu, lam, parameter_gradient, joint_gradient, body_gradient,
 ):  # fmt: skip
     """Go back through the steps of a run.
 
@@ -262,14 +262,14 @@ def sweep(
         seeds: (time, entry) adjoint of the record's entries: of the state and its derivative.
         own_seeds: (time, entry) of the others, but for quaternions.
         free: by joint, whether its free length is the distance at t = 0.
+        response, load, nothing, mu: room for the adjoint of the state's derivative, of the forces, of what is recorded
+            beside the state (all 0), and of the state at each stage.
         lam: becomes the gradient to the initial state.
         parameter_gradient, joint_gradient, body_gradient: gradients to the laws' parameters; to each joint's largest
             deformation, rest and attachments; to each body's inertia (six entries) and mass.
     """
     define_laws()
-    size, n = state.shape[1] // 2, DOF * bodies.size
-    response, load, nothing = np.zeros(size), np.zeros(n), np.zeros(3 * joints.size + n)
-    mu, later = np.zeros((4, size)), 0.0
+    size, later = state.shape[1] // 2, 0.0
     for back in range(steps):
         s = steps - 1 - back
         t, piece, k, crossing = recall(bodies, joints, functions, state, history, s)

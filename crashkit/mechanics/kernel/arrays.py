@@ -64,6 +64,9 @@ JOINT = np.dtype(
         ("shape", np.float64, (8,)),  # what the geometry keeps of its position for derivatives
         ("along", np.float64, (12,)),  # a motion of its two bodies, and
         ("bend", np.float64, (18,)),  # how the gradient changes along it
+        ("guard", np.float64),  # smallest of its branches, at the stage last evaluated
+        ("d_before", np.float64),  # m and m s-1, where the step begins
+        ("ddot_before", np.float64),
     ],
     align=True,
 )

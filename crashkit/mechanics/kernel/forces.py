@@ -77,8 +77,8 @@ def add_given(bodies, given, t, piece):
         body.net[TOTAL, k] = body.net[JOINTS, k] + given[piece, 1 + i] + since * given[piece, 1 + n + i]
 
 
-@compiled
-def accelerate(bodies, joints, functions, parameters, given, state, row, t, piece):
+@inlined
+def accelerate_stage(bodies, joints, functions, parameters, given, state, row, t, piece):
     """Forces, and the derivative of the state, at a stage.
 
     Returns:
@@ -94,6 +94,7 @@ def accelerate(bodies, joints, functions, parameters, given, state, row, t, piec
         force, guard = joint_force(joint, functions, parameters, state, row, d, ddot)
         if not (math.isfinite(force) and math.isfinite(d)):
             guard = -math.inf
+        joint.guard = guard
         if guard < smallest:
             smallest, culprit = guard, j
         push(bodies, joint, force)
@@ -103,3 +104,9 @@ def accelerate(bodies, joints, functions, parameters, given, state, row, t, piec
         state[row, first + i] += given[piece, 1 + 2 * n + i] + since * given[piece, 1 + 3 * n + i]
     rates(bodies, state, row)
     return smallest, culprit
+
+
+@compiled
+def accelerate(bodies, joints, functions, parameters, given, state, row, t, piece):
+    """The same, for who does it seldom."""
+    return accelerate_stage(bodies, joints, functions, parameters, given, state, row, t, piece)

@@ -17,9 +17,10 @@ from crashkit.mechanics.kernel.arrays import (
 from crashkit.mechanics.kernel.forces import kinematics
 from crashkit.mechanics.kernel.history import remember
 from crashkit.mechanics.kernel.jumps import change_branches
+from crashkit.mechanics.kernel.landing import find_step
 from crashkit.mechanics.kernel.line import AXES, CURVED, DOF, locate, settle
 from crashkit.mechanics.kernel.stand_ins import compiled, define_laws, inlined
-from crashkit.mechanics.kernel.steps import RESOLUTION, choose_branches, find_step, try_step
+from crashkit.mechanics.kernel.steps import RESOLUTION, choose_branches, try_step
 from crashkit.mechanics.kernel.tangents import accelerate_tangent, deformation_tangent, step_tangent
 
 # ---- compiled from here ----
@@ -127,13 +128,13 @@ def longest_step(left, step):
 
 
 @inlined
-def choose_step(bodies, joints, functions, parameters, given, state, t, piece, longest, guard, step, blind):
+def choose_step(bodies, joints, functions, parameters, given, state, t, piece, longest, step, blind):
     """Take a step into the row END: one that lands on crossings, or a short one that is `blind` to them; see `find_step`."""
     if blind:
         h = min(longest, BLIND * step)
         guard, culprit, _ = try_step(bodies, joints, functions, parameters, given, state, t, piece, h)
         return h, True, 0.0, guard, culprit
-    return find_step(bodies, joints, functions, parameters, given, state, t, piece, longest, guard, step)
+    return find_step(bodies, joints, functions, parameters, given, state, t, piece, longest, step)
 
 
 @inlined
@@ -185,7 +186,7 @@ def integrate(
         blind = crossings > PATIENCE + joints.size and is_smooth(bodies, state)
         crossings -= blind
         h, crossing, ahead, guard, culprit = choose_step(
-            bodies, joints, functions, parameters, given, state, t, piece, longest_step(times[k] - t, step), guard, step, blind
+            bodies, joints, functions, parameters, given, state, t, piece, longest_step(times[k] - t, step), step, blind
         )
         met = meeting(joints)
         if met != NONE:

@@ -28,6 +28,12 @@ def law_frozen(
     """Value and smallest guard with the branches of `mode`."""
 
 
+def law_distance(
+    number: int, which: int, mode: int, d: float, ddot: float, d_max: float, z: float, p: Floats, o: int
+) -> float:
+    """The guard of branch `which`; infinity where the branches of `mode` do not come by it."""
+
+
 def law_partials(
     number: int, mode: int, d: float, ddot: float, d_max: float, z: float, p: Floats, o: int, out: Floats
 ) -> float:

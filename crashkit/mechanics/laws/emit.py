@@ -2,8 +2,9 @@
 
 `mode` says which branches a state takes, one bit each. `frozen` gives the value with the branches of a mode, whatever the
 state, and the smallest guard: the signed distance of the taken branches' comparisons, negative once one of them no longer
-holds. `partials` gives the frozen value and its derivatives to d, ddot, d_max, the memory and every parameter, by going back
-through the statements. `guard`, only of a law that may jump, does the same for the smallest guard.
+holds; `distance` gives one of them. `partials` gives the frozen value and its derivatives to d, ddot, d_max, the memory and
+every parameter, by going back through the statements. `guard`, only of a law that may jump, does the same for the smallest
+guard.
 """
 
 import ast
@@ -24,7 +25,7 @@ DECORATOR = "@scalar"
 
 
 def emit(function: LawFunction, name: str) -> str:
-    """Source of `name_mode`, `name_frozen`, `name_partials` and, if the law may jump, `name_guard`.
+    """Source of `name_mode`, `name_frozen`, `name_distance`, `name_partials` and, if the law may jump, `name_guard`.
 
     Raises:
         CrashkitError: what a law declares and what its functions take do not agree; names law, line and remedy.
@@ -35,7 +36,7 @@ def emit(function: LawFunction, name: str) -> str:
     if has_own_branches(function):
         return emit_own(function, name)
     program = lower(function)
-    parts = [_mode, _frozen, _partials, *([_guard] if function.law.jumps else [])]
+    parts = [_mode, _frozen, _distance, _partials, *([_guard] if function.law.jumps else [])]
     return "\n\n".join(part(program, name) for part in parts)
 
 
@@ -52,10 +53,20 @@ def _mode(program: Program, name: str) -> str:
 def _frozen(program: Program, name: str) -> str:
     def head(branch: Branch, side: bool) -> Iterator[str]:
         if branch.guard is not None:
-            yield f"guard = min(guard, {_distance(branch, side)})"
+            yield f"guard = min(guard, {_guard_of(branch, side)})"
 
     body = _forward(program.block, "frozen", head, lambda leaf: [f"return {ast.unparse(leaf.value)}, guard"])
     return _function(program, f"{name}_frozen", "p, o", ["guard = math.inf", *body], "mode, ")
+
+
+def _distance(program: Program, name: str) -> str:
+    def head(branch: Branch, side: bool) -> Iterator[str]:
+        if branch.guard is not None:
+            yield f"if which == {branch.bit}: distance = {_guard_of(branch, side)}"
+
+    block, _ = tests_of(program.block)
+    body = _forward(block, "frozen", head, lambda leaf: [])
+    return _function(program, f"{name}_distance", "p, o", ["distance = math.inf", *body, "return distance"], "which, mode, ")
 
 
 def _partials(program: Program, name: str) -> str:
@@ -68,7 +79,7 @@ def _partials(program: Program, name: str) -> str:
 def _guard(program: Program, name: str) -> str:
     def head(branch: Branch, side: bool) -> Iterator[str]:
         if branch.guard is not None:
-            yield f"distance = {_distance(branch, side)}"
+            yield f"distance = {_guard_of(branch, side)}"
             yield f"if distance < guard: guard = distance; nearest = {branch.bit}"
 
     block, _ = tests_of(program.block)
@@ -78,7 +89,7 @@ def _guard(program: Program, name: str) -> str:
     return _derivatives(program, f"{name}_guard", [*forward, *backward], known, "guard")
 
 
-def _distance(branch: Branch, side: bool) -> str:
+def _guard_of(branch: Branch, side: bool) -> str:
     assert branch.guard is not None
     return ast.unparse(branch.guard) if side else f"-({ast.unparse(branch.guard)})"
 

@@ -23,16 +23,17 @@ STATE = ("d", "ddot", "d_max", "z")
 ARGUMENTS = {
     "mode": (*STATE, "p", "o"),
     "frozen": ("mode", *STATE, "p", "o"),
+    "distance": ("which", "mode", *STATE, "p", "o"),
     "partials": ("mode", *STATE, "p", "o", "out"),
     "guard": ("mode", *STATE, "p", "o", "out"),
 }
-"""Of the functions of a law. Whole numbers are `mode` and `o`, arrays of floats `p` and `out`, the others floats."""
+"""Of the functions of a law. Whole numbers are `which`, `mode` and `o`, arrays of floats `p` and `out`, the others floats."""
 PAIR = types.UniTuple(types.float64, 2)
-RETURNS = {"mode": types.int64, "frozen": PAIR, "partials": types.float64, "guard": types.float64}
-NOTHING: Mapping[str, Any] = {"mode": 0, "frozen": (0.0, math.inf), "partials": 0.0, "guard": math.inf}
+RETURNS = {"mode": types.int64, "frozen": PAIR, "distance": types.float64, "partials": types.float64, "guard": types.float64}
+NOTHING: Mapping[str, Any] = {"mode": 0, "frozen": (0.0, math.inf), "distance": math.inf, "partials": 0.0, "guard": math.inf}
 """What stands for a law without such a function."""
 ARRAYS = ("p", "out")
-LLVM = {"number": INTEGER, "mode": INTEGER, "o": INTEGER} | dict.fromkeys(ARRAYS, FLOAT.as_pointer())
+LLVM = dict.fromkeys(("number", "which", "mode", "o"), INTEGER) | dict.fromkeys(ARRAYS, FLOAT.as_pointer())
 """Types of the arguments that are not floats."""
 
 

@@ -58,6 +58,7 @@ def emit_opaque(function: LawFunction, name: str) -> str:
         f'{name} = types.ExternalFunction("{_symbol(function)}", types.float64(*[types.float64] * 4, types.intp))',
         *_function(f"{name}_mode({state}, p, o)", ["return 0"]),
         *_function(f"{name}_frozen(mode, {state}, p, o)", [f"return {name}({state}, p.ctypes.data + 8 * o), math.inf"]),
+        *_function(f"{name}_distance(which, mode, {state}, p, o)", ["return math.inf"]),
         *_function(f"{name}_partials(mode, {state}, p, o, out)", ["return math.nan"]),
     ]
     if function.law.jumps:
@@ -66,7 +67,7 @@ def emit_opaque(function: LawFunction, name: str) -> str:
 
 
 def _function(head: str, body: list[str]) -> list[str]:
-    return ["", "", "@compiled", f"def {head}:", *(f"    {line}" for line in body)]
+    return ["", "", "@jitted", f"def {head}:", *(f"    {line}" for line in body)]
 
 
 def _symbol(function: LawFunction) -> str:

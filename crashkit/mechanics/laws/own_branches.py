@@ -23,7 +23,10 @@ def has_own_branches(function: LawFunction) -> bool:
 
 
 def emit_own(function: LawFunction, name: str) -> str:
-    """Source of `name_mode`, `name_frozen` and `name_partials` around the author's functions, which are pasted before them."""
+    """Source of what the engine calls around the author's functions, which are pasted before it.
+
+    They tell no guard but the smallest, which stands for each.
+    """
     law = function.law
     check_own(law)
     values = ", ".join(["d", "ddot", "d_max", *(["z"] if law.memory else []), *_parameters(function)])
@@ -39,6 +42,9 @@ def emit_own(function: LawFunction, name: str) -> str:
             *pasted,
             _function(f"{name}_mode(d, ddot, d_max, z, p, o)", [f"return {name}_branch({values})"]),
             _function(f"{name}_frozen(mode, d, ddot, d_max, z, p, o)", [f"return {name}_branch_force(mode, {values})"]),
+            _function(
+                f"{name}_distance(which, mode, d, ddot, d_max, z, p, o)", [f"return {name}_branch_force(mode, {values})[1]"]
+            ),
             _function(
                 f"{name}_partials(mode, d, ddot, d_max, z, p, o, out)",
                 [*slopes, f"return {name}_branch_force(mode, {values})[0]"],
@@ -68,7 +74,7 @@ def compile_own(function: LawFunction, point: Sequence[float], numbers: np.ndarr
         point: d, ddot, d_max and memory, at which they are called.
         numbers: of the parameters.
     """
-    scope: dict[str, Any] = {"math": math, "np": np, "compiled": numba.njit(error_model="numpy")}
+    scope: dict[str, Any] = {"math": math, "np": np, "jitted": numba.njit(error_model="numpy")}
     exec(compile(emit_own(function, "law"), f"<{function.law.name}>", "exec"), scope)
     try:
         mode = scope["law_mode"](*point, numbers, 0)
@@ -89,4 +95,4 @@ def _parameters(function: LawFunction) -> Iterator[str]:
 
 
 def _function(head: str, body: list[str]) -> str:
-    return "\n".join(["@compiled", f"def {head}:", *(f"    {line}" for line in body)])
+    return "\n".join(["@jitted", f"def {head}:", *(f"    {line}" for line in body)])

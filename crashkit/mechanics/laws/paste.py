@@ -40,7 +40,7 @@ class _Texts(dict[FunctionType, str]):
         tree = source.tree
         tree.name, tree.decorator_list, tree.returns = name, [], None
         tree = _Linked(source, lambda other: self.name_of(other, f"{name}_{other.__name__}")).visit(tree)
-        tree.decorator_list = [ast.Name("compiled", ast.Load())]
+        tree.decorator_list = [ast.Name("jitted", ast.Load())]
         self[function] = ast.unparse(ast.fix_missing_locations(tree))
         return self
 

@@ -19,12 +19,14 @@ class Plain:
     Arguments:
         mode: (d, ddot, d_max, memory, numbers, 0), the branches that a state takes.
         frozen: (mode, d, ddot, d_max, memory, numbers, 0), value and smallest guard on given branches.
+        distance: (branch, mode, d, ddot, d_max, memory, numbers, 0), one of the guards.
         partials: (mode, d, ddot, d_max, memory, numbers, 0, out), value, and into `out` its derivatives.
         guard: the same for the smallest guard of a law that may jump; None for others.
     """
 
     mode: Callable[..., int]
     frozen: Callable[..., tuple[float, float]]
+    distance: Callable[..., float]
     partials: Callable[..., float]
     guard: Callable[..., float] | None
 
@@ -32,6 +34,7 @@ class Plain:
 @cache
 def plain(function: LawFunction) -> Plain:
     """A law's functions as plain Python; raises CrashkitError where they cannot be had."""
-    scope: dict[str, Any] = {"math": math, "np": np, **dict.fromkeys(("compiled", "scalar"), lambda written: written)}
+    scope: dict[str, Any] = {"math": math, "np": np, **dict.fromkeys(("jitted", "scalar"), lambda written: written)}
     exec(compile(emit(function, "law"), f"<{function.law.name}>", "exec"), scope)
-    return Plain(scope["law_mode"], scope["law_frozen"], scope["law_partials"], scope.get("law_guard"))
+    parts = (scope[f"law_{part}"] for part in ("mode", "frozen", "distance", "partials"))
+    return Plain(*parts, scope.get("law_guard"))

@@ -21,16 +21,20 @@ METHODS = sorted(load().identifiers.keys() - {"gradient"})
 
 
 def plane() -> Model:
-    """One mass on two springs, one to either side, that runs into a wall a little askew."""
+    """One mass on two springs, the left one softer, that runs into a wall a little askew and yaws."""
     bodies = (
         Body("wall", (0.0, 0.0), (0.0, 0.0), fixed=True),
         Body("car", (-2.0, 0.1), (10.0, 0.0), Parameter(1000.0, fixed=True), inertia=(Parameter(500.0, fixed=True),)),
     )
     law = {"elastic_stiffness": 4e5, "crush_force": 3e4, "densification_deformation": 0.4, "densification_stiffness": 4e5}
-    free = {name: Parameter(value, 0.1 * value, 10.0 * value) for name, value in law.items()}
+
+    def free(share: float) -> dict[str, Parameter]:
+        values = {name: value if name == "densification_deformation" else share * value for name, value in law.items()}
+        return {name: Parameter(value, 0.1 * value, 10.0 * value) for name, value in values.items()}
+
     joints = tuple(
-        Joint(f"rail_{side}", ("wall", "car"), "crush_plateau", free | ABSENT, points=((0.0, y), (1.0, y)))
-        for side, y in (("left", 0.5), ("right", -0.5))
+        Joint(f"rail_{side}", ("wall", "car"), "crush_plateau", free(share) | ABSENT, points=((0.0, y), (1.0, y)))
+        for side, y, share in (("left", 0.5, 0.7), ("right", -0.5, 1.0))
     )
     return Model("askew", ("x", "y"), bodies, joints)
 
