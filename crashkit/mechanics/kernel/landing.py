@@ -1,4 +1,4 @@
-# mypy: disable-error-code="no-untyped-def, no-untyped-call"
+# mypy: disable-error-code="no-untyped-def, no-untyped-call, assignment"
 """Steps that end just past the first crossing within them.
 
 A step at whose end guards are negative may have crossed several, in metres, newtons and whatever else a law compares. A
