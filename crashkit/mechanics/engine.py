@@ -29,6 +29,7 @@ import math
 import numpy as np
 from crashkit.mechanics.kernel.arrays import *
 from crashkit.mechanics.laws.linking import Laws
+from crashkit.mechanics.unaliased import Unaliased
 from numba import njit, types
 
 how = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
@@ -36,6 +37,7 @@ within = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 uncounted = {**how, "_nrt": False}  # to count references to arrays took half of a run, and the kernel makes no arrays
 jitted = njit(**how, **within, _nrt=True)
 compiled, inlined = njit(**uncounted, **within), njit(**uncounted, **within, forceinline=True)
+unaliased = njit(**uncounted, **within, forceinline=True, pipeline_class=Unaliased)
 entry = njit(**uncounted, cache=True)
 laws = Laws(__name__)
 scalar, definition = laws.add, laws.define()
@@ -47,7 +49,7 @@ def define_laws():
 '''
 KERNEL_MARK = "# ---- compiled from here ----"
 KERNEL = Path(__file__).parent / "kernel"
-USED = (KERNEL / "arrays.py", *(Path(__file__).parent / "laws" / name for name in ("linking.py", "translate.py")))
+USED = ("kernel/arrays.py", "laws/linking.py", "laws/translate.py", "unaliased.py")
 """What a generated module takes from crashkit as it is."""
 GEOMETRY = {1: ("line",), 2: ("plane",), 3: ("vectors", "rotations", "space")}
 """The modules of the kernel that know the geometry, by number of axes."""
@@ -115,7 +117,7 @@ def _engine(functions: tuple[LawFunction, ...], axes: int) -> Engine:
     for function in opaque.values():
         warnings.warn(str(function), OpaqueLawWarning, stacklevel=3)
     source = _source(laws, axes)
-    used = "".join(path.read_text(encoding="utf-8") for path in USED)
+    used = "".join((Path(__file__).parent / name).read_text(encoding="utf-8") for name in USED)
     key = hashlib.sha256(f"{numba.__version__} {sys.version} {used} {source}".encode()).hexdigest()[:20]
     numbers = {function: number for number, function in enumerate(functions)}
     return Engine(axes, numbers, _load(f"crashkit_engine_{key}", source), opaque)

@@ -1,8 +1,8 @@
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
 """The geometry of one axis: a joint keeps the direction that it has at t = 0."""
 
-from crashkit.mechanics.kernel.arrays import D_MAX, DEFORMATION, FORCE, RATE, REST, TOTAL
-from crashkit.mechanics.kernel.stand_ins import compiled, inlined
+from crashkit.mechanics.kernel.arrays import TOTAL
+from crashkit.mechanics.kernel.stand_ins import compiled, inlined, unaliased
 
 # ---- compiled from here ----
 
@@ -52,23 +52,30 @@ def bend_to_point(bodies, joint, m):
     """How the gradient changes with a coordinate of an attachment: not at all."""
 
 
-@inlined
-def push_tangent(joint, state, tangent, own, net_tangent, row, force, to_d, to_rate, to_d_max):
+@unaliased
+def push_columns(
+    joint, v_a, v_b, q_a_c, q_b_c, v_a_c, v_b_c, rest_c, d_max_c, d_c, rate_c, force_c, net_a_c, net_b_c, force, to_d, to_rate,
+    to_d_max,
+):  # fmt: skip
     """Derivatives of a joint's deformation, rate, force and part of the net forces through the motion of its bodies.
 
     Arguments:
+        v_a, v_b: velocities of its bodies.
+        q_a_c, q_b_c, v_a_c, v_b_c: (coordinate, column) derivatives of their positions and velocities.
+        rest_c, d_max_c: (column) of its rest and largest deformation; d_c, rate_c, force_c: become the joint's.
+        net_a_c, net_b_c: (coordinate, column) of the forces on its bodies, to which it adds.
         force, to_d, to_rate, to_d_max: the joint's, and its derivatives.
     """
-    n, a, b, side = net_tangent.shape[0], joint.first, joint.second, joint.gradient[0]
-    for c in range(tangent.shape[2]):
-        d = own[REST, c] + side * (tangent[row, a, c] - tangent[row, b, c])
-        rate = side * (tangent[row, n + a, c] - tangent[row, n + b, c])
-        pushed = to_d * d + to_rate * rate + to_d_max * own[D_MAX, c]
-        own[DEFORMATION, c] = d
-        own[RATE, c] = rate
-        own[FORCE, c] = pushed
-        net_tangent[a, c] -= side * pushed
-        net_tangent[b, c] += side * pushed
+    side = joint.gradient[0]
+    for c in range(d_c.size):
+        d = rest_c[c] + side * (q_a_c[0, c] - q_b_c[0, c])
+        rate = side * (v_a_c[0, c] - v_b_c[0, c])
+        pushed = to_d * d + to_rate * rate + to_d_max * d_max_c[c]
+        d_c[c] = d
+        rate_c[c] = rate
+        force_c[c] = pushed
+        net_a_c[0, c] -= side * pushed
+        net_b_c[0, c] += side * pushed
 
 
 @compiled

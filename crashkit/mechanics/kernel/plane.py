@@ -8,8 +8,8 @@ arms from the centres of mass to where the force acts, the gradient of the defor
 
 import math
 
-from crashkit.mechanics.kernel.arrays import D_MAX, DEFORMATION, FORCE, RATE, REST, TOTAL
-from crashkit.mechanics.kernel.stand_ins import compiled, inlined
+from crashkit.mechanics.kernel.arrays import TOTAL
+from crashkit.mechanics.kernel.stand_ins import compiled, inlined, unaliased
 
 # ---- compiled from here ----
 
@@ -140,38 +140,33 @@ def bend_to_point(bodies, joint, m):
         joint.bend[2] += moment
 
 
-@inlined
-def push_tangent(joint, state, tangent, own, net_tangent, row, force, to_d, to_rate, to_d_max):
-    """Derivatives of a joint's deformation, rate, force and part of the net forces through the motion of its bodies.
-
-    Arguments:
-        force, to_d, to_rate, to_d_max: the joint's, and its derivatives.
-    """
-    n, a, b, face = net_tangent.shape[0], 3 * joint.first, 3 * joint.second, joint.face
+@unaliased
+def push_columns(
+    joint, v_a, v_b, q_a_c, q_b_c, v_a_c, v_b_c, rest_c, d_max_c, d_c, rate_c, force_c, net_a_c, net_b_c, force, to_d, to_rate,
+    to_d_max,
+):  # fmt: skip
+    """Derivatives of a joint's deformation, rate, force and part of the net forces: as in one axis."""
     nx, ny, ga, gb = joint.gradient[0], joint.gradient[1], joint.gradient[2], joint.gradient[5]
-    along_a, along_b, inverse = joint.shape[0], joint.shape[1], joint.shape[2]
-    vx, vy = state[row, n + a] - state[row, n + b], state[row, n + a + 1] - state[row, n + b + 1]
-    va, vb, sweep = state[row, n + a + 2], state[row, n + b + 2], nx * vy - ny * vx
-    for c in range(tangent.shape[2]):
-        ax, ay, turn_a = tangent[row, a, c], tangent[row, a + 1, c], tangent[row, a + 2, c]
-        bx, by, turn_b = tangent[row, b, c], tangent[row, b + 1, c], tangent[row, b + 2, c]
+    face, along_a, along_b, inverse = joint.face, joint.shape[0], joint.shape[1], joint.shape[2]
+    va, vb, sweep = v_a[2], v_b[2], nx * (v_a[1] - v_b[1]) - ny * (v_a[0] - v_b[0])
+    for c in range(d_c.size):
+        ax, ay, turn_a = q_a_c[0, c], q_a_c[1, c], q_a_c[2, c]
+        bx, by, turn_b = q_b_c[0, c], q_b_c[1, c], q_b_c[2, c]
         turned, moment_a, moment_b = turn(face, nx, ny, along_a, along_b, inverse, ax, ay, turn_a, bx, by, turn_b)
-        d = own[REST, c] + nx * (ax - bx) + ny * (ay - by) + ga * turn_a + gb * turn_b
+        d = rest_c[c] + nx * (ax - bx) + ny * (ay - by) + ga * turn_a + gb * turn_b
         rate = sweep * turned + va * moment_a + vb * moment_b
-        rate += nx * (tangent[row, n + a, c] - tangent[row, n + b, c])
-        rate += ny * (tangent[row, n + a + 1, c] - tangent[row, n + b + 1, c])
-        rate += ga * tangent[row, n + a + 2, c] + gb * tangent[row, n + b + 2, c]
-        pushed = to_d * d + to_rate * rate + to_d_max * own[D_MAX, c]
-        own[DEFORMATION, c] = d
-        own[RATE, c] = rate
-        own[FORCE, c] = pushed
+        rate += nx * (v_a_c[0, c] - v_b_c[0, c]) + ny * (v_a_c[1, c] - v_b_c[1, c]) + ga * v_a_c[2, c] + gb * v_b_c[2, c]
+        pushed = to_d * d + to_rate * rate + to_d_max * d_max_c[c]
+        d_c[c] = d
+        rate_c[c] = rate
+        force_c[c] = pushed
         fx, fy = nx * pushed - ny * force * turned, ny * pushed + nx * force * turned
-        net_tangent[a, c] -= fx
-        net_tangent[a + 1, c] -= fy
-        net_tangent[a + 2, c] -= ga * pushed + force * moment_a
-        net_tangent[b, c] += fx
-        net_tangent[b + 1, c] += fy
-        net_tangent[b + 2, c] -= gb * pushed + force * moment_b
+        net_a_c[0, c] -= fx
+        net_a_c[1, c] -= fy
+        net_a_c[2, c] -= ga * pushed + force * moment_a
+        net_b_c[0, c] += fx
+        net_b_c[1, c] += fy
+        net_b_c[2, c] -= gb * pushed + force * moment_b
 
 
 @compiled

@@ -7,9 +7,10 @@ tau.
 
 import math
 
-from crashkit.mechanics.kernel.arrays import D_MAX, DEFORMATION, FORCE, RATE, REST, TOTAL
-from crashkit.mechanics.kernel.stand_ins import compiled, inlined
+from crashkit.mechanics.kernel.arrays import TOTAL
+from crashkit.mechanics.kernel.stand_ins import compiled, inlined, unaliased
 from crashkit.mechanics.kernel.vectors import (
+    column_of,
     cross,
     dot,
     entries,
@@ -135,38 +136,35 @@ def bend_to_point(bodies, joint, m):
     set_bend(joint, swing, moment_a, plus(cross(n, moved_b), cross(swing, entries(joint.shape, 3))))
 
 
-@inlined
-def push_tangent(joint, state, tangent, own, net_tangent, row, force, to_d, to_rate, to_d_max):
-    """Derivatives of a joint's deformation, rate, force and part of the net forces through the motion of its bodies.
-
-    Arguments:
-        force, to_d, to_rate, to_d_max: the joint's, and its derivatives.
-    """
-    n, a, b = net_tangent.shape[0], 6 * joint.first, 6 * joint.second
+@unaliased
+def push_columns(
+    joint, v_a, v_b, q_a_c, q_b_c, v_a_c, v_b_c, rest_c, d_max_c, d_c, rate_c, force_c, net_a_c, net_b_c, force, to_d, to_rate,
+    to_d_max,
+):  # fmt: skip
+    """Derivatives of a joint's deformation, rate, force and part of the net forces: as in one axis."""
     face, inverse, arm_a, arm_b = joint.face, joint.shape[6], entries(joint.shape, 0), entries(joint.shape, 3)
     normal, g_a, g_b = entries(joint.gradient, 0), entries(joint.gradient, 3), entries(joint.gradient, 9)
-    v = plus(three(state, row, n + a), scaled(-1.0, three(state, row, n + b)))
-    v_a, v_b = three(state, row, n + a + 3), three(state, row, n + b + 3)
-    for c in range(tangent.shape[2]):
-        q_a, turn_a = three_of(tangent, row, a, c), three_of(tangent, row, a + 3, c)
-        q_b, turn_b = three_of(tangent, row, b, c), three_of(tangent, row, b + 3, c)
+    v, turning_a, turning_b = plus(entries(v_a, 0), scaled(-1.0, entries(v_b, 0))), entries(v_a, 3), entries(v_b, 3)
+    for c in range(d_c.size):
+        q_a, turn_a = column_of(q_a_c, 0, c), column_of(q_a_c, 3, c)
+        q_b, turn_b = column_of(q_b_c, 0, c), column_of(q_b_c, 3, c)
         swing, moment_a, moment_b = turn(face, normal, arm_a, arm_b, inverse, q_a, turn_a, q_b, turn_b)
-        d = own[REST, c] + dot(normal, q_a) - dot(normal, q_b) + dot(g_a, turn_a) + dot(g_b, turn_b)
-        rate = dot(swing, v) + dot(moment_a, v_a) + dot(moment_b, v_b)
-        rate += dot(normal, three_of(tangent, row, n + a, c)) - dot(normal, three_of(tangent, row, n + b, c))
-        rate += dot(g_a, three_of(tangent, row, n + a + 3, c)) + dot(g_b, three_of(tangent, row, n + b + 3, c))
-        pushed = to_d * d + to_rate * rate + to_d_max * own[D_MAX, c]
-        own[DEFORMATION, c] = d
-        own[RATE, c] = rate
-        own[FORCE, c] = pushed
+        d = rest_c[c] + dot(normal, q_a) - dot(normal, q_b) + dot(g_a, turn_a) + dot(g_b, turn_b)
+        rate = dot(swing, v) + dot(moment_a, turning_a) + dot(moment_b, turning_b)
+        rate += dot(normal, column_of(v_a_c, 0, c)) - dot(normal, column_of(v_b_c, 0, c))
+        rate += dot(g_a, column_of(v_a_c, 3, c)) + dot(g_b, column_of(v_b_c, 3, c))
+        pushed = to_d * d + to_rate * rate + to_d_max * d_max_c[c]
+        d_c[c] = d
+        rate_c[c] = rate
+        force_c[c] = pushed
         f = plus(scaled(pushed, normal), scaled(force, swing))
         m_a = plus(scaled(pushed, g_a), scaled(force, moment_a))
         m_b = plus(scaled(pushed, g_b), scaled(force, moment_b))
         for k in range(3):
-            net_tangent[a + k, c] -= f[k]
-            net_tangent[b + k, c] += f[k]
-            net_tangent[a + 3 + k, c] -= m_a[k]
-            net_tangent[b + 3 + k, c] -= m_b[k]
+            net_a_c[k, c] -= f[k]
+            net_b_c[k, c] += f[k]
+            net_a_c[3 + k, c] -= m_a[k]
+            net_b_c[3 + k, c] -= m_b[k]
 
 
 @compiled

@@ -14,6 +14,11 @@ def inlined(function):  # type: ignore[no-untyped-def]
     return function
 
 
+def unaliased(function):  # type: ignore[no-untyped-def]
+    """The same, for loops over columns: none of the arrays that such a function is given overlaps another."""
+    return function
+
+
 def define_laws() -> None:
     """Put the laws beside the function that calls this: what is called from Python does so first."""
 

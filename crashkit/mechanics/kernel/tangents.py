@@ -15,6 +15,7 @@ from crashkit.mechanics.kernel.arrays import (
     END,
     FORCE,
     RATE,
+    REST,
     START,
     TO_D,
     TO_D_MAX,
@@ -29,7 +30,7 @@ from crashkit.mechanics.kernel.line import (
     bend,
     bend_to_point,
     measure_points,
-    push_tangent,
+    push_columns,
     rates_tangent,
     respond_tangent,
     to_rotations,
@@ -61,6 +62,23 @@ def joint_partials(joint, functions, parameters, partials, state, row):
     if joint.loading:
         return force, to_d + to_d_max, to_rate, 0.0
     return force, to_d, to_rate, to_d_max
+
+
+@inlined
+def push_tangent(bodies, joint, state, tangent, own, net_tangent, row, force, to_d, to_rate, to_d_max):
+    """Derivatives of a joint's deformation, rate, force and part of the net forces through the motion of its bodies.
+
+    Arguments:
+        force, to_d, to_rate, to_d_max: the joint's, and its derivatives.
+    """
+    n = DOF * bodies.size
+    a, b = DOF * joint.first, DOF * joint.second
+    push_columns(
+        joint, state[row, n + a : n + a + DOF], state[row, n + b : n + b + DOF], tangent[row, a : a + DOF],
+        tangent[row, b : b + DOF], tangent[row, n + a : n + a + DOF], tangent[row, n + b : n + b + DOF], own[REST], own[D_MAX],
+        own[DEFORMATION], own[RATE], own[FORCE], net_tangent[a : a + DOF], net_tangent[b : b + DOF], force, to_d, to_rate,
+        to_d_max,
+    )  # fmt: skip
 
 
 @inlined
@@ -116,7 +134,7 @@ def point_columns(bodies, joint, state, own, net_tangent, row, force, to_d, to_r
 @compiled
 def deformation_tangent(bodies, joint, state, tangent, own, net_tangent, row):
     """Derivatives of a joint's deformation and of its rate; `net_tangent` stays as it is."""
-    push_tangent(joint, state, tangent, own, net_tangent, row, 0.0, 0.0, 0.0, 0.0)
+    push_tangent(bodies, joint, state, tangent, own, net_tangent, row, 0.0, 0.0, 0.0, 0.0)
     if joint.moves_points:
         point_columns(bodies, joint, state, own, net_tangent, row, 0.0, 0.0, 0.0)
 
@@ -152,7 +170,7 @@ def accelerate_tangent(
         kinematics(bodies, joint, state, row)
         force, to_d, to_rate, to_d_max = joint_partials(joint, functions, parameters, partials, state, row)
         push(bodies, joint, force)
-        push_tangent(joint, state, tangent, own, net_tangent, row, force, to_d, to_rate, to_d_max)
+        push_tangent(bodies, joint, state, tangent, own, net_tangent, row, force, to_d, to_rate, to_d_max)
         parameter_columns(joint, functions, columns, tangent, own, net_tangent, partials, row)
         if joint.moves_points:
             point_columns(bodies, joint, state, own, net_tangent, row, force, to_d, to_rate)

@@ -86,6 +86,12 @@ def three_of(values, row, i, c):
 
 
 @compiled
+def column_of(values, i, c):
+    """Three entries of a column."""
+    return values[i, c], values[i + 1, c], values[i + 2, c]
+
+
+@compiled
 def put(values, j, i, a):
     """Set three entries of a row."""
     values[j, i] = a[0]
