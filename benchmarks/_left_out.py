@@ -21,7 +21,7 @@ def left_out(model: Model, given: Model, recording: xr.DataTree, width: float) -
     whole = Misfit(model, {"run": recording}, laws, observers)
     whole = whole.with_step(fine_step(whole))
     weighed = whole.reweighted(whole.start())
-    levels = {(c.instrument, c.sensor, c.axis): c.noise.std for c in weighed.channels}
+    levels = {(c.instrument, c.sensor, c.axis): c.noise for c in weighed.channels}
     missed, size = np.zeros(len(whole.groups)), np.zeros(len(whole.groups))
     for start in np.arange(0.0, max(group.times[-1] for group in whole.groups), width):
         block = {"run": without(recording, start, start + width)}

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
 import xarray as xr
 from attrs import evolve
 
@@ -18,7 +19,7 @@ from crashkit.diagnose.search import Search, begin
 from crashkit.diagnose.show import action_of, identified_table, limits_table, missing_force_tree, ranking_table, units_of
 from crashkit.diagnose.words import noted, nothing_predicted, summarise
 from crashkit.diagnose.workshop import Workshop
-from crashkit.misfit import Misfit, fine_step
+from crashkit.misfit import Misfit, Noise, fine_step
 from crashkit.model import Body, Model
 from crashkit.protocols import Identification
 
@@ -103,14 +104,16 @@ def _normalised(misfit: Misfit) -> float:
 def _refined(workshop: Workshop, discovery: Discovery, model: Model, recordings: Mapping[str, xr.DataTree]) -> Discovery:
     """The base and the final model fitted to more samples, weighed alike, and seen on every sample.
 
-    What that fit can do without is not told. Numbers that the recordings do not see stay about where the user gave them.
+    Open noise levels are now what the final model leaves. What that fit can do without is not told. Numbers that the recordings
+    do not see stay about where the user gave them.
     """
     workshop = workshop.equipped([discovery.base.model, discovery.final.model])
-    thin = _in_the_light_of(workshop, model, recordings, discovery.final)
+    found = discovery.final.reweighted(discovery.final.start())
+    thin = _in_the_light_of(workshop, model, recordings, found)
     searches = [refine(workshop.identifier, workshop.misfit(thin, m.model)) for m in (discovery.base, discovery.final)]
     rounds, *searches = needed(workshop, discovery.rounds, *searches)
     searches = [_sharpened(workshop, model, recordings, search) for search in searches]
-    full = _weighed_alike(workshop.first_misfit(model, recordings), discovery.final)
+    full = _weighed_alike(workshop.first_misfit(model, recordings), found)
     base, final = (workshop.misfit(full, search.fitted().model) for search in searches)
     if rounds and _is_worthless(rounds, base, final):
         return evolve(discovery, base=base, final=base, search=searches[0].unbelieving(), rounds=())
@@ -247,5 +250,14 @@ def _leaves_something(after: Fit, final: Misfit) -> bool:
 
 
 def _weighed_alike(unseen: Misfit, base: Misfit) -> Misfit:
-    """Open noise levels of held-out channels are those that the calibration left."""
-    return unseen.with_levels({(c.instrument, c.sensor, c.axis): c.noise.std for c in base.channels if not c.noise.trusted})
+    """Open noise levels of a sensor are those that the calibration left, of all its runs together."""
+    noises: dict[tuple[str, str, str], list[Noise]] = {}
+    for channel in base.channels:
+        if not channel.noise.trusted:
+            noises.setdefault((channel.instrument, channel.sensor, channel.axis), []).append(channel.noise)
+    return unseen.with_levels({sensor: _together(own) for sensor, own in noises.items()})
+
+
+def _together(noises: Sequence[Noise]) -> Noise:
+    std = float(np.sqrt(np.mean([noise.std**2 for noise in noises])))
+    return evolve(noises[0], std=std, least=min(noise.least for noise in noises))

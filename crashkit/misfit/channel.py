@@ -4,12 +4,15 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 import xarray as xr
-from attrs import frozen
+from attrs import evolve, frozen
 
 from crashkit.errors import CrashkitError
-from crashkit.misfit.noise import Noise, channel_noise
+from crashkit.misfit.noise import HALF, Noise, channel_noise, filtered_std
 from crashkit.model import Model
 from crashkit.protocols import Observer
+
+TENTH = 0.1
+"""Of what a model leaves of a channel: what it lacks may be the rest."""
 
 
 @frozen
@@ -66,6 +69,20 @@ def groups_of(run: str, recording: xr.DataTree, observers: Mapping[str, type[Obs
         observer = observers[kind]()
         dataset = _along(run, name, observer, node.to_dataset(inherit=False), model)
         yield _group(run, name, observer, dataset, bodies)
+
+
+def reweighted(group: Group, column: int, left: np.ndarray) -> Channel:
+    """A channel of a group with its open noise level set to what a model leaves of it: `left` (time,), in its unit.
+
+    What is left shows the noise about the filter's corner better than the readings, in which the structure moves as well.
+    """
+    channel, noise, present = group.channels[column], group.channels[column].noise, left[np.isfinite(left)]
+    if noise.trusted or not len(present):
+        return channel
+    interval, filter_class = float(np.median(np.diff(group.times))), int(group.dataset.attrs["channel_frequency_class"])
+    level = float(np.sqrt(np.mean(present**2)))
+    least = min(noise.least, HALF * filtered_std(present, interval, filter_class, noise.correlation), TENTH * level)
+    return evolve(channel, noise=evolve(noise, std=max(least, level), least=least))
 
 
 def _along(run: str, name: str, observer: Observer, dataset: xr.Dataset, model: Model) -> xr.Dataset:

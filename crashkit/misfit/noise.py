@@ -8,6 +8,8 @@ from scipy.signal import periodogram
 
 from crashkit.data.channel_filter import correlation_samples
 
+HALF = 0.5
+"""Of an estimate, which may be too large by as much."""
 FEWEST = 4
 """Fourth differences from which a level is estimated."""
 
@@ -54,8 +56,8 @@ def channel_noise(instrument: xr.Dataset, quantity: str, channel: int, samples: 
         return Noise(std, correlation, trusted=True)
     present = samples[np.isfinite(samples)]
     if filter_class:
-        estimate = _filtered_std(present, interval, filter_class, correlation)
-        return Noise(estimate, correlation, trusted=False, least=0.5 * estimate)
+        estimate = filtered_std(present, interval, filter_class, correlation)
+        return Noise(estimate, correlation, trusted=False, least=HALF * estimate)
     return Noise(_white_std(present), 1.0, trusted=True)
 
 
@@ -70,8 +72,14 @@ def _white_std(samples: np.ndarray) -> float:
     return _positive(np.median(np.abs(differences)) / 0.6745 / np.sqrt(70.0), samples)
 
 
-def _filtered_std(samples: np.ndarray, interval: float, filter_class: int, correlation: float) -> float:
-    """Filtered noise from the spectrum about the filter's corner, where a structure moves least and noise still passes."""
+def filtered_std(samples: np.ndarray, interval: float, filter_class: int, correlation: float) -> float:
+    """Filtered noise from the spectrum about the filter's corner, where a structure moves least and noise still passes.
+
+    Of readings, or of what a model leaves of them: below a low corner, or in a short test, a structure moves there, too.
+
+    Arguments:
+        samples: (time,) one each `interval`, s; filter_class: of their filter; correlation: samples for an independent one.
+    """
     corner = filter_class / 0.6
     frequency, density = periodogram(samples, 1.0 / interval, window="hann")
     band = density[(frequency > 0.7 * corner) & (frequency < 1.2 * corner)]

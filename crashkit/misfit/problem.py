@@ -9,8 +9,9 @@ import xarray as xr
 from attrs import evolve, frozen
 
 from crashkit.mechanics import Engine, Simulator
-from crashkit.misfit.channel import Channel, Group, groups_of
+from crashkit.misfit.channel import Channel, Group, groups_of, reweighted
 from crashkit.misfit.coarse import COARSER, coarse_group, early_group
+from crashkit.misfit.noise import Noise
 from crashkit.misfit.predictor import STEP, Prediction, Predictor
 from crashkit.misfit.rows import Rows, rows_of
 from crashkit.model import Model, Parameter
@@ -195,12 +196,19 @@ class Misfit:
 
     def reweighted(self, scaled: np.ndarray) -> "Misfit":
         """The same misfit with open noise levels set to what the model leaves of those channels."""
-        sums = iter(self.channel_sums(self.residual(scaled)))
-        groups = [evolve(g, channels=tuple(_reweighted(c, float(next(sums))) for c in g.channels)) for g in self.groups]
-        return self._with(self.model, groups)
+        predictions = self.predictor.predict_at(self.parameters(scaled))
+        left = [
+            group.recorded - one.samples.reshape(group.recorded.shape)
+            for group, one in zip(self.groups, predictions, strict=True)
+        ]
+        levels = [
+            tuple(reweighted(g, i, one[:, i]) for i in range(len(g.channels)))
+            for g, one in zip(self.groups, left, strict=True)
+        ]
+        return self._with(self.model, [evolve(g, channels=own) for g, own in zip(self.groups, levels, strict=True)])
 
-    def with_levels(self, levels: Mapping[tuple[str, str, str], float]) -> "Misfit":
-        """The same misfit with other noise levels for some channels, by (instrument, sensor, axis)."""
+    def with_levels(self, levels: Mapping[tuple[str, str, str], Noise]) -> "Misfit":
+        """The same misfit with the noise levels of others for some channels, by (instrument, sensor, axis)."""
         groups = [evolve(g, channels=tuple(_levelled(c, levels) for c in g.channels)) for g in self.groups]
         return self._with(self.model, groups)
 
@@ -277,14 +285,6 @@ def _deviance(channel: Channel, total: float) -> float:
     return count * float(np.log(max(total / count, (noise.least / noise.std) ** 2))) if count else 0.0
 
 
-def _levelled(channel: Channel, levels: Mapping[tuple[str, str, str], float]) -> Channel:
-    std = levels.get((channel.instrument, channel.sensor, channel.axis), channel.noise.std)
-    return evolve(channel, noise=evolve(channel.noise, std=std))
-
-
-def _reweighted(channel: Channel, total: float) -> Channel:
-    noise = channel.noise
-    if noise.trusted or not channel.samples:
-        return channel
-    level = noise.std * float(np.sqrt(total / channel.independent_samples))
-    return evolve(channel, noise=evolve(noise, std=max(noise.least, level)))
+def _levelled(channel: Channel, levels: Mapping[tuple[str, str, str], Noise]) -> Channel:
+    level = levels.get((channel.instrument, channel.sensor, channel.axis), channel.noise)
+    return evolve(channel, noise=evolve(channel.noise, std=level.std, least=level.least))

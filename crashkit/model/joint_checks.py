@@ -86,7 +86,7 @@ def _law_faults(name: str, unit: str, laws: Laws, where: str) -> Iterator[Fault]
     kind = "laws" if unit == "N" else "factors"
     installed = names(sorted(law for law, plugin in laws.items() if plugin.unit == unit)) or "none"
     if name not in laws:
-        combined = any(sign in name for sign in (" + ", " * ", " | "))
+        combined = any(sign in name for sign in (" + ", " ~ ", " * ", " | "))
         wanted = f"{kind} that can be combined like this, of" if combined else "one of"
         yield Fault(where, f"{wanted} the installed {kind} ({installed})", shown(name))
     elif laws[name].unit != unit:

@@ -20,12 +20,13 @@ class LawBook(Mapping[str, type[SpringLaw]]):
 
     - "a | b" is a and b side by side, as two joints at the same place would be: F = F_a + F_b;
     - "a * f" is law a times the factor f alone, where a joint's `factors` multiply all of its force;
+    - "a ~ m" is law m, which has a memory, with the force of a for its deformation: what a gives passes through m;
     - "a + b" is law a with b added to its loading curve. Then b takes part in unloading and in the rate factor of a. The first
       law must hold the statement `added = 0.0` after it has set `turn`; what is added must end in its only `return`.
 
-    They bind in the order +, *, |. A parameter that two of them declare alike, such as a clearance, is one and the same in
-    "a | b" and "a * f"; no other names may be shared, and one of them at most may have a memory. What has branches of its own,
-    or runs as plain Python, stands alone.
+    They bind in the order +, ~, *, |. A parameter that two of them declare alike, such as a clearance, is one and the same in
+    "a | b", "a * f" and "a ~ m"; no other names may be shared, and one of them at most may have a memory. What has branches of
+    its own, or runs as plain Python, stands alone.
     """
 
     def __init__(self, laws: Mapping[str, type[SpringLaw]]) -> None:
@@ -34,7 +35,7 @@ class LawBook(Mapping[str, type[SpringLaw]]):
     def __getitem__(self, name: str) -> type[SpringLaw]:
         if name in self._laws:
             return self._laws[name]
-        for sign, fits, combine in ((" | ", are_parallel, _joined), (" * ", multiplies, _joined), (" + ", fit_together, _sum)):
+        for sign, (fits, combine) in SIGNS.items():
             first, found, second = name.rpartition(sign)
             if found:
                 if not fits(self[first], self[second]):
@@ -52,6 +53,11 @@ class LawBook(Mapping[str, type[SpringLaw]]):
 def are_parallel(first: type[SpringLaw], second: type[SpringLaw]) -> bool:
     """Whether two laws can stand side by side in one joint."""
     return first.unit == second.unit == "N" and _share_no_names(first, second)
+
+
+def passes(law: type[SpringLaw], through: type[SpringLaw]) -> bool:
+    """Whether the force of a law can pass through the memory of another."""
+    return are_parallel(law, through) and not law.memory and bool(through.memory)
 
 
 def multiplies(law: type[SpringLaw], factor: type[SpringLaw]) -> bool:
@@ -93,17 +99,20 @@ def can_be_added(law: type[SpringLaw]) -> bool:
 
 @cache
 def _joined(first: type[SpringLaw], second: type[SpringLaw], sign: str) -> type[SpringLaw]:
-    """One law that calls both, side by side or as law and factor."""
+    """One law that calls both: side by side, as law and factor, or one with the force of the other."""
     name, specs, memory = f"{first.name}{sign}{second.name}", _united(first, second), first.memory or second.memory
     arguments = ", ".join(["d", "ddot", "d_max", *([memory] if memory else []), *(spec.name for spec in specs)])
-    calls = [f"{part}({', '.join(_arguments(law))})" for part, law in (("first", first), ("second", second))]
-    lines = [f"def force({arguments}):", f"    return {(' * ' if sign == ' * ' else ' + ').join(calls)}"]
+    one, other = (", ".join(_arguments(law)) for law in (first, second))
+    if sign == " ~ ":
+        other = ", ".join([f"first({one})", *_arguments(second)[1:]])
+    total = {" | ": f"first({one}) + second({other})", " * ": f"first({one}) * second({other})", " ~ ": f"second({other})"}
+    lines = [f"def force({arguments}):", f"    return {total[sign]}"]
     owner = first if first.memory else second
     if memory:
-        lines += [f"def memory_rate({arguments}):", f"    return rate({', '.join(_arguments(owner))})"]
+        lines += [f"def memory_rate({arguments}):", f"    return rate({one if first.memory else other})"]
     names = {"first": first.force, "second": second.force, "rate": getattr(owner, "memory_rate", None)}
     scope = _scope(f"<spring law {name}>", "\n".join(lines) + "\n", names)
-    meaning = f"{first.name} times {second.name}" if sign == " * " else f"{first.name} beside {second.name}"
+    meaning = f"{first.name} {MEANINGS[sign]} {second.name}"
     functions: dict[str, Any] = {part: staticmethod(scope[part]) for part in ("force", "memory_rate") if part in scope}
     return _law(first, second, name, f"{meaning}.", specs, {"memory": memory, **functions})
 
@@ -182,3 +191,8 @@ class _Renamed(ast.NodeTransformer):
             return ast.Name("turn", node.ctx)
         kept = node.id == "ddot" or node.id in self.parameters or node.id in self.constants or node.id not in self.taken
         return node if kept else ast.Name(f"{node.id}_of_added", node.ctx)
+
+
+SIGNS = {" | ": (are_parallel, _joined), " * ": (multiplies, _joined), " ~ ": (passes, _joined), " + ": (fit_together, _sum)}
+"""What a sign asks of two laws, and what it makes of them; the sign that binds least comes first."""
+MEANINGS = {" | ": "beside", " * ": "times", " ~ ": "through"}

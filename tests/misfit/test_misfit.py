@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 import xarray as xr
+from attrs import evolve
 
 from crashkit.errors import CrashkitError
+from crashkit.misfit.channel import reweighted
 from crashkit.misfit.predictor import instrument_errors
 from crashkit.model import Body, Joint, Parameter
 from crashkit.model.edit import with_body, with_joint
@@ -138,9 +140,20 @@ def test_reweighted_levels_are_what_the_model_leaves(misfit, model, recorded, ch
     assert again.channels[0].noise == one.channels[0].noise
 
 
+def test_a_floor_is_no_higher_than_a_share_of_what_a_model_leaves(misfit, model, recorded, changed):
+    """The readings alone may say far too much: below the corner of a low filter a structure moves."""
+    group = open_level(misfit, model, recorded, changed).groups[1]
+    left = np.random.default_rng(4).normal(0.0, 0.01 * group.channels[0].noise.least, len(group.times))
+    noise = reweighted(group, 0, left).noise
+    assert noise.std == pytest.approx(float(np.std(left)), rel=0.01)
+    assert noise.least <= 0.1 * noise.std
+
+
 def test_levels_can_be_set_by_channel(misfit, model, recorded, changed):
     one = misfit(model, run=changed(recorded(model), "film", shifted("position", 2e-3)))
-    wider = one.with_levels({("film", "front_marker", "x"): 2e-3})
+    level = evolve(one.channels[0].noise, std=2e-3, least=1e-3)
+    wider = one.with_levels({("film", "front_marker", "x"): level})
+    assert wider.channels[0].noise.least == 1e-3
     assert wider.residual(one.start())[0] == pytest.approx(1.0, abs=1e-6)
     assert wider.channels[1] == one.channels[1]
 

@@ -2,10 +2,13 @@
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from crashkit.mechanics import Simulator
+from crashkit.model import Body, GivenMotion, Joint, Model, Parameter
 from crashkit.protocols import ParameterSpec, SpringLaw
 from crashkit.registry.law_book import LawBook, are_parallel, can_be_added, can_take, fit_together, multiplies
 from crashkit_spring_laws import SPRING_LAWS
@@ -238,3 +241,40 @@ def test_what_can_stand_side_by_side_is_told_beforehand():
     assert not are_parallel(BOOK["crush_plateau"], BOOK["rate_linear"])
     assert multiplies(BOOK["crush_plateau"], BOOK["fracture"])
     assert not multiplies(BOOK["maxwell"], BOOK["tear"])
+
+
+# ---- through a memory ----
+
+
+@given(d=deformations, q=st.floats(0.0, 1e5))
+def test_a_force_passes_through_a_memory(d, q):
+    law = BOOK["crush_plateau ~ quasi_linear"]
+    numbers = (ALPHA, DELTA, GAMMA, BETA, SLOPE, 0.0, 0.0, 0.0, 0.0, 0.5, TIME, 1.0)
+    assert law.memory == "faded_force"
+    assert law.force(d, 1.0, d, q, *numbers) == pytest.approx(1.5 * plateau(d) - 0.5 * q, rel=1e-9, abs=1e-6)
+    assert law.memory_rate(d, 1.0, d, q, *numbers) == pytest.approx((plateau(d) - q) / TIME, rel=1e-9, abs=1e-3)
+
+
+def test_a_step_of_the_force_fades_as_the_standard_linear_solid_does():
+    """Held after a quick load: F = F_a (1 + s exp(-t / tau)), as the engine integrates it."""
+    law, parameters = "linear_stop ~ quasi_linear", {"stiffness": 1e6, "stop_deformation": 0.0}
+    times = np.linspace(0.0, 0.1, 1001)
+    held = GivenMotion(tuple(times), tuple((0.05 * min(1.0, t / 1e-3),) for t in times))
+    bodies = (Body("wall", (0.0,), (0.0,), fixed=True), Body("ram", (1.0,), (0.0,), motion=held))
+    own = {name: Parameter(value) for name, value in {**parameters, "fresh_share": 0.5, "relaxation_time": TIME}.items()}
+    model = Model("relaxing", ("x",), bodies, (Joint("pad", ("ram", "wall"), law, own),))
+    motion = Simulator(model, BOOK).run(np.array([0.05, 0.06]), step=1e-5)
+    expected = 5e4 * (1.0 + 0.5 * np.exp(-(motion["time"].values - 5e-4) / TIME))
+    assert motion["force"].values[:, 0] == pytest.approx(expected, rel=2e-3)
+
+
+THROUGH = {
+    "crush_plateau ~ peak": "a peak has no memory",
+    "crush_plateau | maxwell ~ maxwell": "both declare a stiffness that relaxes",
+    "quasi_linear ~ quasi_linear": "both have a memory",
+}
+
+
+@pytest.mark.parametrize("name", THROUGH, ids=THROUGH.values())
+def test_what_cannot_pass_through_is_refused(name):
+    assert name not in BOOK

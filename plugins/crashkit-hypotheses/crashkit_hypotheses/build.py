@@ -48,7 +48,21 @@ def added(
     name = f"{joint.law} + {law}"
     if " + " in joint.law or name not in load().spring_laws:
         return parallel(model, joint, physics, form, law, parameters, amplitude, starts)
-    changed = evolve(joint, law=name, parameters={**joint.parameters, **parameters})
+    return combined(model, joint, physics, form, name, parameters, amplitude, starts)
+
+
+def combined(
+    model: Model,
+    joint: Joint,
+    physics: str,
+    form: str,
+    law: str,
+    parameters: Mapping[str, Parameter | tuple[Parameter, ...]],
+    amplitude: str,
+    starts: Iterable[Mapping[str, float]] = ({},),
+) -> Proposal:
+    """`joint` with a law that holds its own and more, which vanishes where `amplitude` is 0."""
+    changed = evolve(joint, law=law, parameters={**joint.parameters, **parameters})
     augmented = evolve(model, joints=tuple(changed if j.name == joint.name else j for j in model.joints))
     prefix = f"joint.{joint.name}."
     return proposal(physics, form, {"joint": joint.name}, augmented, prefix, parameters, amplitude, starts)

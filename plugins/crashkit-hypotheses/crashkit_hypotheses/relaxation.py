@@ -7,7 +7,8 @@ import xarray as xr
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import grid, largest_deformation, largest_force, multiplied, parallel
+from crashkit.registry import load
+from crashkit_hypotheses.build import combined, grid, largest_deformation, largest_force, multiplied, parallel
 
 TIME_SHARES = (0.05, 0.3)
 """Relaxation times to start from, in durations of a run: shorter ones are dashpots, longer ones springs."""
@@ -17,13 +18,17 @@ TRACE = 1e-3
 
 
 class Relaxation(Hypothesis):
-    """F = F_law + k (d - q), q' = (d - q) / tau (Maxwell), or F = F_law (1 - s m), m' = (1 - m) / tau under load."""
+    """F = F_law + k (d - q), q' = (d - q) / tau (Maxwell), or a share of the law's own force that fades.
+
+    All of it at once, F = F_law (1 - s m), m' = (1 - m) / tau under load, or each of its changes by itself (quasi-linear),
+    F = F_law + s (F_law - q), q' = (F_law - q) / tau.
+    """
 
     physics: ClassVar[str] = "relaxation"
     sentence: ClassVar[str] = "part of the force of {place} decays with time"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """A Maxwell element beside every joint that is compressed, and a share of its own force that fades."""
+        """A Maxwell element beside every joint that is compressed; a share of its own force, or of its changes, that fades."""
         used = [joint for joint in model.joints if largest_deformation(motion, joint.name) > 0]
         return [form for joint in used for form in self._forms(model, joint, motion)]
 
@@ -55,7 +60,26 @@ class Relaxation(Hypothesis):
         if "fading" in joint.factors:
             return maxwell
         fading = {"fading_share": Parameter(0.0, 0.0, 1.0), "relaxation_time": time}
-        return [
-            *maxwell,
-            multiplied(model, joint, self.physics, "fading", "fading", fading, "fading_share", grid(relaxation_time=times)),
-        ]
+        share = multiplied(model, joint, self.physics, "fading", "fading", fading, "fading_share", grid(relaxation_time=times))
+        return [*maxwell, share, *_quasi_linear(model, joint, self.physics, time, times)]
+
+
+def _quasi_linear(model: Model, joint: Joint, physics: str, time: Parameter, times: Sequence[float]) -> list[Proposal]:
+    """Where the joint's law can pass through a memory."""
+    law = f"{joint.law} ~ quasi_linear"
+    if law not in load().spring_laws:
+        return []
+    fresh = {"fresh_share": Parameter(0.0, 0.0, 1e2), "relaxation_time": time}
+    return [
+        combined(
+            model,
+            joint,
+            physics,
+            form,
+            law,
+            {**fresh, "holds": Parameter(holds, fixed=True)},
+            "fresh_share",
+            grid(relaxation_time=times),
+        )
+        for form, holds in (("quasi-linear", 0.0), ("quasi-linear, holding", 1.0))
+    ]

@@ -103,6 +103,13 @@ def relaxing(model):
     return with_joint(model, Joint("memory", ("front", "rear"), "maxwell", element))
 
 
+def quasi_linear(model):
+    first, own = model.joint("first"), fixed(fresh_share=0.4, relaxation_time=0.03, holds=0.0)
+    changed = evolve(first, law=f"{first.law} ~ quasi_linear", parameters={**first.parameters, **own})
+    joints = [changed if joint.name == "first" else joint for joint in model.joints]
+    return evolve(model, joints=tuple(joints))
+
+
 def fading(model):
     return with_factor(model, "first", "fading", fixed(fading_share=0.4, relaxation_time=0.03))
 
@@ -235,6 +242,10 @@ CASES = {
         {"loss": 0.5, "softening_deformation": 0.2, "softening_length": 0.25},
     ),
     relaxing: (("relaxation", "maxwell", {"joint": "second"}), {"relaxing_stiffness": 1e5, "relaxation_time": 0.02}),
+    quasi_linear: (
+        ("relaxation", "quasi-linear", {"joint": "first"}),
+        {"fresh_share": 0.4, "relaxation_time": 0.03},
+    ),
     fading: (("relaxation", "fading", {"joint": "first"}), {"fading_share": 0.4, "relaxation_time": 0.03}),
     engaging_softly: (("clearance", "toe", {"joint": "first"}), {"clearance": 0.02, "toe": 0.12}),
     buckling: (

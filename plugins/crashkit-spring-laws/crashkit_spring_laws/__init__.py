@@ -10,7 +10,7 @@ from crashkit_spring_laws.hysteresis import BoucWen
 from crashkit_spring_laws.measured_curve import MeasuredCurve
 from crashkit_spring_laws.piecewise_affine import PiecewiseAffine
 from crashkit_spring_laws.rate_factors import RateLinear, RateLogarithm, RatePower
-from crashkit_spring_laws.relaxation import Maxwell
+from crashkit_spring_laws.relaxation import Maxwell, QuasiLinear
 from crashkit_spring_laws.stops import CrushStop, LinearStop, LockingStop, QuadraticStop, TensionSpring
 from crashkit_spring_laws.tables import RateCurve, RateTable, SmoothTable, TimeTable
 from crashkit_spring_laws.tie import Tie
@@ -29,6 +29,7 @@ SPRING_LAWS = (
     Coulomb,
     Dahl,
     Maxwell,
+    QuasiLinear,
     LinearStop,
     QuadraticStop,
     LockingStop,

@@ -27,6 +27,7 @@ from crashkit_spring_laws import (
     Peak,
     PiecewiseAffine,
     QuadraticStop,
+    QuasiLinear,
     RateCurve,
     RateLinear,
     RateLogarithm,
@@ -96,6 +97,7 @@ EXAMPLES = [
     (UnloadingLoss, {"loss": 0.4, "unloading_length": 0.05}),
     (Softening, {"softening_deformation": 0.3, "softening_length": 0.2, "loss": 0.7}),
     (Fading, {"fading_share": 0.6, "relaxation_time": 0.02}),
+    (QuasiLinear, {"fresh_share": 0.6, "relaxation_time": 0.02, "holds": 1.0}),
     (Tie, {"stiffness": 1e6, "damping": 2e3, "slack": 0.05}),
     (Tie, {"stiffness": 1e6, "damping": 2e3, "slack": 0.05, "holds": 1.0}),
 ]
@@ -329,3 +331,12 @@ def test_a_share_fades_under_load_and_comes_back_at_rest():
     assert Fading.memory_rate(0.1, 0.0, 0.1, 0.0, share, time) == pytest.approx(1.0 / time)
     assert Fading.memory_rate(0.1, 0.0, 0.1, 1.0, share, time) == 0.0
     assert Fading.memory_rate(-0.1, 0.0, 0.1, 1.0, share, time) == pytest.approx(-1.0 / time)
+
+
+def test_a_share_of_each_change_of_the_force_fades():
+    """A force that rises at once by 1 N, and is gone when half of the fresh share has faded."""
+    now = {"fresh_share": 0.4, "relaxation_time": 0.03}
+    assert QuasiLinear.force(1.0, 0.0, 1.0, 0.0, **now, holds=0.0) == pytest.approx(1.4)
+    assert QuasiLinear.memory_rate(1.0, 0.0, 1.0, 0.0, **now, holds=0.0) == pytest.approx(1.0 / 0.03)
+    assert QuasiLinear.force(1.0, 0.0, 1.0, 0.5, **now, holds=0.0) == pytest.approx(1.2)
+    assert [QuasiLinear.force(0.0, 0.0, 1.0, 0.5, **now, holds=holds) for holds in (0.0, 1.0)] == pytest.approx([0.0, -0.2])
