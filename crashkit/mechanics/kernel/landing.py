@@ -49,13 +49,26 @@ def left_branches(joint, function, parameters, state):
 
 
 @compiled
+def is_rounding(joint, functions, parameters, state, f, which):
+    """Whether a guard would be 0 or above at END with a deformation or a rate that differs by rounding."""
+    d, ddot = joint.d, joint.ddot
+    below = guard_of(joint, functions, parameters, state, END, d - ROUNDING, ddot, f, which)
+    above = guard_of(joint, functions, parameters, state, END, d + ROUNDING, ddot, f, which)
+    slower = guard_of(joint, functions, parameters, state, END, d, ddot - ROUNDING, f, which)
+    faster = guard_of(joint, functions, parameters, state, END, d, ddot + ROUNDING, f, which)
+    return max(max(below, above), max(slower, faster)) >= 0.0
+
+
+@compiled
 def first_crossing(joints, functions, parameters, state):
-    """The guard that is negative at END and that a straight line from START puts first.
+    """The guard that is negative at END by more than rounding and that a straight line from START puts first.
 
     Returns:
-        its joint (NONE where none is found), function and branch; its value at START and at END.
+        its joint (NONE where there is none), function and branch; its value at START and at END; and whether any guard is
+        negative.
     """
-    first, found = math.inf, (NONE, NONE, NONE, math.nan, math.nan)
+    first, told = math.inf, False
+    found = NONE, NONE, NONE, math.nan, math.nan
     for j in range(joints.size):
         joint = joints[j]
         if joint.guard < 0.0:
@@ -68,20 +81,11 @@ def first_crossing(joints, functions, parameters, state):
                         near = guard_of(
                             joint, functions, parameters, state, START, joint.d_before, joint.ddot_before, f, which
                         )
-                        if far < 0.0 and near / (near - far) < first:
+                        told = told or far < 0.0
+                        is_first = far < 0.0 and near / (near - far) < first
+                        if is_first and not is_rounding(joint, functions, parameters, state, f, which):
                             first, found = near / (near - far), (j, f, which, near, far)
-    return found
-
-
-@compiled
-def is_rounding(joint, functions, parameters, state, f, which):
-    """Whether a guard would be 0 or above at END with a deformation or a rate that differs by rounding."""
-    d, ddot = joint.d, joint.ddot
-    below = guard_of(joint, functions, parameters, state, END, d - ROUNDING, ddot, f, which)
-    above = guard_of(joint, functions, parameters, state, END, d + ROUNDING, ddot, f, which)
-    slower = guard_of(joint, functions, parameters, state, END, d, ddot - ROUNDING, f, which)
-    faster = guard_of(joint, functions, parameters, state, END, d, ddot + ROUNDING, f, which)
-    return max(max(below, above), max(slower, faster)) >= 0.0
+    return found, told
 
 
 @inlined
@@ -111,11 +115,11 @@ def land(bodies, joints, functions, parameters, given, state, t, piece, high, fa
     while high - low > close and far < -LANDED:
         fresh = not chosen
         if fresh:
-            j, f, which, near, now = first_crossing(joints, functions, parameters, state)
+            (j, f, which, near, now), told = first_crossing(joints, functions, parameters, state)
             before, chosen = 0.0, True
         crossing = last - now * (last - before) / (now - near)
-        landed = j != NONE and is_rounding(joints[j], functions, parameters, state, f, which)
-        if last == high and (landed or high - crossing <= close):
+        landed = told if j == NONE else is_rounding(joints[j], functions, parameters, state, f, which)
+        if last == high and far > -math.inf and (landed or high - crossing <= close):
             if fresh:
                 break
             chosen = False
