@@ -13,6 +13,8 @@ from crashkit.protocols import Observer
 
 TENTH = 0.1
 """Of what a model leaves of a channel: what it lacks may be the rest."""
+RESOLUTION = 1e-3
+"""Of a channel's largest reading: what recorders tell, and more than the integration is off."""
 
 
 @frozen
@@ -81,7 +83,9 @@ def reweighted(group: Group, column: int, left: np.ndarray) -> Channel:
         return channel
     interval, filter_class = float(np.median(np.diff(group.times))), int(group.dataset.attrs["channel_frequency_class"])
     level = float(np.sqrt(np.mean(present**2)))
-    least = min(noise.least, HALF * filtered_std(present, interval, filter_class, noise.correlation), TENTH * level)
+    seen = min(HALF * filtered_std(present, interval, filter_class, noise.correlation), TENTH * level)
+    resolved = RESOLUTION * float(np.nanmax(np.abs(group.recorded[:, column])))
+    least = min(noise.least, max(seen, resolved))
     return evolve(channel, noise=evolve(noise, std=max(least, level), least=least))
 
 
