@@ -119,6 +119,8 @@ CLASHES = {
     "crush_plateau + crush_plateau": "parameters of the same names",
     "crush_plateau + peak + peak": "parameters of the same names",
     "crush_plateau + viscous": "both have a clearance",
+    "crush_plateau ~ peak": "a peak has no memory",
+    "maxwell ~ quasi_linear": "both have a memory",
 }
 
 
@@ -266,15 +268,3 @@ def test_a_step_of_the_force_fades_as_the_standard_linear_solid_does():
     motion = Simulator(model, BOOK).run(np.array([0.05, 0.06]), step=1e-5)
     expected = 5e4 * (1.0 + 0.5 * np.exp(-(motion["time"].values - 5e-4) / TIME))
     assert motion["force"].values[:, 0] == pytest.approx(expected, rel=2e-3)
-
-
-THROUGH = {
-    "crush_plateau ~ peak": "a peak has no memory",
-    "crush_plateau | maxwell ~ maxwell": "both declare a stiffness that relaxes",
-    "quasi_linear ~ quasi_linear": "both have a memory",
-}
-
-
-@pytest.mark.parametrize("name", THROUGH, ids=THROUGH.values())
-def test_what_cannot_pass_through_is_refused(name):
-    assert name not in BOOK

@@ -1,5 +1,5 @@
 # mypy: disable-error-code="no-untyped-def, no-untyped-call"
-"""Steps that keep to the branches they begin on and land on crossings.
+"""Steps that keep to the branches they begin on, and the branches at the end of one; landing.py ends them on crossings.
 
 Within a step every function keeps the branches it had at the start (its mode), so that what the Runge-Kutta rule sees is
 smooth. A step at whose end some guard is negative has crossed from one branch to another: it is shortened until it ends just

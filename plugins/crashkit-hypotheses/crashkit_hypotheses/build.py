@@ -48,24 +48,7 @@ def added(
     name = f"{joint.law} + {law}"
     if " + " in joint.law or name not in load().spring_laws:
         return parallel(model, joint, physics, form, law, parameters, amplitude, starts)
-    return combined(model, joint, physics, form, name, parameters, amplitude, starts)
-
-
-def combined(
-    model: Model,
-    joint: Joint,
-    physics: str,
-    form: str,
-    law: str,
-    parameters: Mapping[str, Parameter | tuple[Parameter, ...]],
-    amplitude: str,
-    starts: Iterable[Mapping[str, float]] = ({},),
-) -> Proposal:
-    """`joint` with a law that holds its own and more, which vanishes where `amplitude` is 0."""
-    changed = evolve(joint, law=law, parameters={**joint.parameters, **parameters})
-    augmented = evolve(model, joints=tuple(changed if j.name == joint.name else j for j in model.joints))
-    prefix = f"joint.{joint.name}."
-    return proposal(physics, form, {"joint": joint.name}, augmented, prefix, parameters, amplitude, starts)
+    return changed(model, evolve(joint, law=name), physics, form, parameters, amplitude, starts)
 
 
 def changed(
@@ -73,12 +56,12 @@ def changed(
     joint: Joint,
     physics: str,
     form: str,
-    parameters: Mapping[str, Parameter],
+    parameters: Mapping[str, Parameter | tuple[Parameter, ...]],
     amplitude: str,
     starts: Iterable[Mapping[str, float]] = ({},),
     null: float | None = 0.0,
 ) -> Proposal:
-    """Parameters of the law of `joint` itself, which it had left out."""
+    """Parameters of the law of `joint`, which it had left out; the law may be another one that holds its own."""
     own = evolve(joint, parameters={**joint.parameters, **parameters})
     augmented = evolve(model, joints=tuple(own if j.name == joint.name else j for j in model.joints))
     prefix = f"joint.{joint.name}."

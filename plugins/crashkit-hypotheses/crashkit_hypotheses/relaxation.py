@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 import xarray as xr
+from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit.registry import load
-from crashkit_hypotheses.build import combined, grid, largest_deformation, largest_force, multiplied, parallel
+from crashkit_hypotheses.build import changed, grid, largest_deformation, largest_force, multiplied, parallel
 
 TIME_SHARES = (0.05, 0.3)
 """Relaxation times to start from, in durations of a run: shorter ones are dashpots, longer ones springs."""
@@ -69,17 +70,9 @@ def _quasi_linear(model: Model, joint: Joint, physics: str, time: Parameter, tim
     law = f"{joint.law} ~ quasi_linear"
     if law not in load().spring_laws:
         return []
+    through, starts = evolve(joint, law=law), grid(relaxation_time=times)
     fresh = {"fresh_share": Parameter(0.0, 0.0, 1e2), "relaxation_time": time}
     return [
-        combined(
-            model,
-            joint,
-            physics,
-            form,
-            law,
-            {**fresh, "holds": Parameter(holds, fixed=True)},
-            "fresh_share",
-            grid(relaxation_time=times),
-        )
+        changed(model, through, physics, form, {**fresh, "holds": Parameter(holds, fixed=True)}, "fresh_share", starts)
         for form, holds in (("quasi-linear", 0.0), ("quasi-linear, holding", 1.0))
     ]
