@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 from crashkit.campaign import spread
-from crashkit.diagnose.result import place_of
+from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.score import Score, score
 from crashkit.diagnose.search import Search, advance_all, begin, begin_all
 from crashkit.diagnose.workshop import Workshop
@@ -63,16 +63,25 @@ def scouted(workshop: Workshop, origin: Misfit, starts: Sequence[Start], shares:
 
     def ahead_of(start: Start) -> tuple[Mapping[str, float], float]:
         proposal, values = start
-        for early in slices[-1:] if workshop.hypotheses[proposal.physics].sensor else slices:
-            misfit = workshop.misfit(early, proposal.model).with_values(values)
-            search = begin(workshop.identifier, misfit).advance(SCOUTING)
-            values = misfit.values(search.point)
-        return values, search.state.cost
+        is_of_readings = workshop.hypotheses[proposal.physics].sensor
+        routes = [slices[-1:]] if is_of_readings or len(slices) == 1 else [slices, slices[-1:] * len(slices)]
+        return min((_scout(workshop, proposal, values, route) for route in routes), key=lambda end: end[1])
 
     found = zip(starts, spread(ahead_of, starts), strict=True)
     ahead = sorted(((proposal, *end) for (proposal, _), end in found), key=lambda one: one[2])[:most]
     misfits = [workshop.misfit(origin, proposal.model).with_values(values) for proposal, values, _ in ahead]
     return list(zip((proposal for proposal, *_ in ahead), begin_all(workshop.identifier, misfits), strict=True))
+
+
+def _scout(
+    workshop: Workshop, proposal: Proposal, values: Mapping[str, float], route: Sequence[Misfit]
+) -> tuple[Mapping[str, float], float]:
+    """Where a quick search ends that takes one slice of the recordings after the other, and what it leaves there."""
+    for slice_ in route:
+        misfit = workshop.misfit(slice_, proposal.model).with_values(values)
+        search = begin(workshop.identifier, misfit).advance(SCOUTING)
+        values = misfit.values(search.point)
+    return values, search.state.cost
 
 
 def _first_of_each(ranked: Sequence[tuple[Proposal, Score]], most: int) -> list[tuple[Proposal, Score]]:
@@ -94,11 +103,19 @@ def heats(entrants: Sequence[Entrant], sizes: Sequence[tuple[int, int]], progres
         sizes: how many enter each heat, and how many steps each gets there.
     """
     for size, steps in sizes:
-        ahead = sorted(entrants, key=lambda entrant: entrant[1].state.cost)[:size]
+        ahead = _ahead(entrants, size)
         proposals = [proposal for proposal, _ in ahead]
         told = partial(_told, progress, proposals)
         entrants = list(zip(proposals, advance_all([search for _, search in ahead], steps, told), strict=True))
     return list(entrants)
+
+
+def _ahead(entrants: Sequence[Entrant], size: int) -> list[Entrant]:
+    """The best of them; half the places are kept from estimated tables, whose many heights fit better than they explain."""
+    ranked = sorted(entrants, key=lambda entrant: entrant[1].state.cost)
+    tables = [entrant for entrant in ranked if entrant[0].physics == UNKNOWN][: size // 2]
+    named = [entrant for entrant in ranked if entrant[0].physics != UNKNOWN]
+    return [*named[: size - len(tables)], *tables]
 
 
 def _told(progress: Progress, proposals: Sequence[Proposal], done: int) -> None:

@@ -11,12 +11,14 @@ from crashkit.diagnose.contest import Progress
 from crashkit.diagnose.experiment import experiment
 from crashkit.diagnose.finding import estimates, make_finding, stand_ins
 from crashkit.diagnose.fits import curves_of, fit_of, predict
+from crashkit.diagnose.foretold import foretold
 from crashkit.diagnose.name import FLOOR
 from crashkit.diagnose.reidentify import STEPS, refine, reidentify
 from crashkit.diagnose.result import UNKNOWN, Alternative, Diagnosis, Finding, Fit, place_of
 from crashkit.diagnose.rounds import Discovery, Round, discover, needed, price, run_drops
 from crashkit.diagnose.search import Search, begin
 from crashkit.diagnose.show import action_of, identified_table, limits_table, missing_force_tree, ranking_table, units_of
+from crashkit.diagnose.thinning import thinned_by
 from crashkit.diagnose.words import noted, nothing_predicted, summarise
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit, Noise, fine_step
@@ -65,7 +67,7 @@ def _explained(
 ) -> tuple[Workshop, Discovery]:
     """What these recordings say that the model leaves out, and the workshop with the steps that they need."""
     progress("re-identifying the model", 0.0)
-    given = equipped.first_misfit(model, equipped.thinned(recordings)).with_prior(ROUGHLY)
+    given = equipped.first_misfit(model, thinned_by(equipped, recordings, model)).with_prior(ROUGHLY)
     # The first simulation compiles the engine, before copies of this process would each do so.
     equipped = evolve(equipped, step=fine_step(given))
     given = given.with_step(equipped.step)
@@ -137,7 +139,7 @@ def _sharpened(workshop: Workshop, model: Model, recordings: Mapping[str, xr.Dat
 
 def _in_the_light_of(workshop: Workshop, model: Model, recordings: Mapping[str, xr.DataTree], found: Misfit) -> Misfit:
     """The given model's misfit to recordings that are thinned in the light of a fitted one, weighed alike."""
-    thin = workshop.first_misfit(model, workshop.thinned(recordings, found.model))
+    thin = workshop.first_misfit(model, thinned_by(workshop, recordings, found.model))
     return _weighed_alike(thin, found).with_prior(ROUGHLY)
 
 
@@ -178,6 +180,9 @@ def _compared(base: Misfit, final: Misfit, unseen: tuple[Misfit, ...]) -> tuple[
         predictions = predict(pair[0]), predict(pair[1])
         fits[name] = {when: fit_of(m, p) for when, m, p in zip(("before", "after"), pair, predictions, strict=True)}
         curves |= curves_of(pair[0], pair[1], predictions, holdout=name == "holdout")
+    if unseen:
+        expected, untold = foretold(final, unseen[1], ROUGHLY)
+        fits["holdout"]["after"] = evolve(fits["holdout"]["after"], expected_rmse=expected, untold=untold)
     return fits, xr.DataTree.from_dict(curves)
 
 

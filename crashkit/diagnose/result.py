@@ -1,5 +1,6 @@
 """What a diagnosis says: for programs (diagnosis.json), for people (the text and the page)."""
 
+import math
 from collections.abc import Mapping
 from pathlib import PurePath
 
@@ -69,10 +70,14 @@ class Fit:
         normalised_rmse: root mean square of residual over its standard deviation, over all channels; 1 is the noise floor.
         channels: Dataset over `channel` ("run/instrument/sensor") with `normalised_rmse`, `relative_rmse` (of the signal),
             `rating` (ISO/TS 18571), `independent_samples`.
+        expected_rmse: what the right model would leave in runs that it was not fitted to, where that was asked.
+        untold: the number that makes it so much, by path.
     """
 
     normalised_rmse: float
     channels: xr.Dataset
+    expected_rmse: float = math.nan
+    untold: str = ""
 
 
 @frozen

@@ -261,7 +261,14 @@ def needed(
         without = rebuild(workshop, base, [one.rivals[0] for one in others], final)
         if without is not None and without.deviance < final.deviance + price(look.rivals[0].proposal, final.misfit):
             kept, final = others, without
-    return tuple(kept), base, final
+    return tuple(evolve(look, before=_without(workshop, look, kept, base, final)) for look in kept), base, final
+
+
+def _without(workshop: Workshop, look: Round, kept: Sequence[Round], base: Search, final: Search) -> Misfit:
+    """The fit with all other findings that were kept: when this one was made, others may have stood beside it."""
+    others = [one.rivals[0] for one in kept if one is not look]
+    model = (rebuild(workshop, base, others, final) or base).fitted().model
+    return workshop.equipped([model]).misfit(look.before, model)
 
 
 def price(proposal: Proposal, misfit: Misfit) -> float:

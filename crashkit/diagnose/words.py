@@ -21,6 +21,9 @@ VERDICTS = {
 
 
 MOST_LIMITS = 5
+WORSE = 0.05
+BEYOND = 1.15
+"""Factor beyond what is expected of the right model from which a prediction speaks against the model."""
 
 
 def summarise(
@@ -38,10 +41,7 @@ def summarise(
     for name, label in (("calibration", "fitted runs"), ("holdout", "held-out runs")):
         if fits[name]:
             lines.append(f"  {label}: {fits[name]['before'].normalised_rmse:.3f} -> {fits[name]['after'].normalised_rmse:.3f}")
-    if fits["holdout"] and fits["holdout"]["after"].normalised_rmse > fits["holdout"]["before"].normalised_rmse + 0.05:
-        lines.append(
-            "  The held-out runs are predicted worse than before: do not trust this outside the runs that were fitted."
-        )
+    lines += [f"  {sentence}" for sentence in of_prediction(fits["holdout"])]
     if consistency.sizes.get("check", 0):
         worst = int(np.argmax(consistency["sigma"].values))
         lines.append(f"Instruments by kinematics alone: {consistency['sentence'].values[worst]}")
@@ -52,14 +52,10 @@ def noted(discovery: Discovery, result: Identification, fits: Mapping[str, Mappi
     """What cannot be trusted."""
     notes = [f"identification {result.status.value}"] if result.status.name != "CONVERGED" else []
     notes += list(result.unseen)
-    unseen, left = fits["holdout"], fits["calibration"]["after"].normalised_rmse
+    left = fits["calibration"]["after"].normalised_rmse
     if discovery.rounds and left > FLOOR:
         notes.append(f"what was found leaves {left:.2f} times the noise: the form of its law may be another, or there is more")
-    if unseen and discovery.rounds and unseen["after"].normalised_rmse > unseen["before"].normalised_rmse:
-        notes.append(
-            "what was found predicts the held-out runs worse than the re-identified model did: do not trust it outside the "
-            "runs that it was fitted to"
-        )
+    notes += of_prediction(fits["holdout"])
     open_levels = sorted({f"{c.instrument}/{c.sensor}" for c in discovery.final.channels if not c.noise.trusted})
     if open_levels:
         samples = discovery.final.independent_samples
@@ -68,6 +64,30 @@ def noted(discovery: Discovery, result: Identification, fits: Mapping[str, Mappi
             f"their own size, and all channels together count as about {samples:.0f} independent samples"
         )
     return tuple(notes)
+
+
+def of_prediction(fits: Mapping[str, Fit]) -> list[str]:
+    """Why the held-out runs are predicted as badly as they are."""
+    if not fits or fits["after"].normalised_rmse < FLOOR:
+        return []
+    before, after = fits["before"].normalised_rmse, fits["after"].normalised_rmse
+    expected = fits["after"].expected_rmse
+    sentences = []
+    if after > before + WORSE:
+        sentences.append(
+            "The held-out runs are predicted worse than before: do not trust this outside the runs that were fitted."
+        )
+    if expected > FLOOR:
+        sentences.append(
+            f"The fitted runs foretell the held-out ones only to about {expected:.2g} times the noise; what they do not tell "
+            f"is mostly {fits['after'].untold}."
+        )
+    if after > BEYOND * expected:
+        sentences.append(
+            f"Of the right model about {expected:.2f} times the noise is to be expected there: a law has another form than "
+            "was found, or more is missing."
+        )
+    return sentences
 
 
 def nothing_predicted(diagnosis: Diagnosis, runs: Sequence[str]) -> Diagnosis:

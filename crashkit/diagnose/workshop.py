@@ -10,7 +10,6 @@ from attrs import evolve, field, frozen
 from crashkit.mechanics import Engine, compile_engine, functions_of
 from crashkit.misfit import Misfit
 from crashkit.misfit.predictor import STEP
-from crashkit.misfit.thin import thinned
 from crashkit.model import Model
 from crashkit.protocols import Hypothesis, Identifier, Observer, Smoother, SpringLaw
 
@@ -35,32 +34,6 @@ class Workshop:
     def first_misfit(self, model: Model, recordings: Mapping[str, xr.DataTree]) -> Misfit:
         """The misfit of a model to some recordings."""
         return Misfit(model, recordings, self.laws, self.observers, self.engine, self.step)
-
-    def thinned(self, recordings: Mapping[str, xr.DataTree], fitted: Model | None = None) -> dict[str, xr.DataTree]:
-        """The recordings at the rate of a search.
-
-        A mean rounds corners, and a filter at a low rate passes them otherwise than at a high one. So what a fitted model
-        expects is taken away before, and what it expects at the low rate is put back behind.
-        """
-        quantities = {name: observer.quantity for name, observer in self.observers.items()}
-        rest = self._with_expected(recordings, fitted, -1.0) if fitted else recordings
-        thin = {run: thinned(recording, quantities) for run, recording in rest.items()}
-        return self._with_expected(thin, fitted, 1.0) if fitted else thin
-
-    def _with_expected(self, recordings: Mapping[str, xr.DataTree], model: Model, share: float) -> dict[str, xr.DataTree]:
-        """The recordings with a share of what the model expects every instrument to read added."""
-        misfit = self.equipped([model]).first_misfit(model, recordings)
-        changed: dict[str, dict[str, xr.DataTree]] = {run: {} for run in recordings}
-        predictions = misfit.predictor.predict_at(misfit.parameters(misfit.start()))
-        for group, prediction in zip(misfit.groups, predictions, strict=True):
-            quantity = group.observer.quantity
-            instrument = recordings[group.run].children[group.name].to_dataset(inherit=False)
-            readings = group.dataset[quantity].transpose("time", group.observer.channel, "axis")
-            expected = readings.copy(data=np.nan_to_num(share * prediction.samples).reshape(readings.shape))
-            known = expected.reindex_like(instrument[quantity], fill_value=0.0).transpose(*instrument[quantity].dims)
-            together = instrument[quantity].copy(data=instrument[quantity].values + known.values)
-            changed[group.run][group.name] = xr.DataTree(instrument.assign({quantity: together}))
-        return {run: recording.assign(changed[run]) for run, recording in recordings.items()}
 
     def equipped(self, models: Iterable[Model]) -> "Workshop":
         """The same with an engine that also holds the laws of these models."""

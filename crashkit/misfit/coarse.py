@@ -4,7 +4,6 @@ import numpy as np
 from attrs import evolve
 
 from crashkit.misfit.channel import Channel, Group
-from crashkit.misfit.thin import FILTER_MARGIN
 
 INSTANTS = 100
 """That a channel keeps, if it has as many."""
@@ -15,7 +14,7 @@ COARSER = 4.0
 
 
 def coarse_group(group: Group) -> Group:
-    """Every so many samples of a group; as many as its filter needs."""
+    """Every so many samples of a group; all where it is filtered, which has been thinned as far as its filter bears."""
     factor = _factor(group)
     if factor == 1:
         return group
@@ -40,12 +39,8 @@ def early_group(group: Group, end: float) -> Group | None:
 
 
 def _factor(group: Group) -> int:
-    if len(group.times) < 2 * INSTANTS:
-        return 1
-    interval = float(np.median(np.diff(group.times)))
-    filter_class = int(group.dataset.attrs.get("channel_frequency_class", 0))
-    most = int(1.0 / (FILTER_MARGIN * filter_class * interval) + 1e-6) if filter_class else len(group.times)
-    return max(1, min(len(group.times) // INSTANTS, most))
+    is_filtered = int(group.dataset.attrs.get("channel_frequency_class", 0)) > 0
+    return 1 if is_filtered else max(1, len(group.times) // INSTANTS)
 
 
 def _thinned(channel: Channel, samples: np.ndarray, factor: int) -> Channel:

@@ -23,8 +23,8 @@ class Prior:
     """What is known of parameters beforehand.
 
     Attributes:
-        centres: values by path.
-        std: of the logarithm of each.
+        centres: values by path, none of them 0.
+        std: relative to each; of its logarithm where that is searched.
     """
 
     centres: Mapping[str, float]
@@ -171,9 +171,10 @@ class Misfit:
 
     def _expected(self, name: str, parameter: Parameter) -> tuple[float, float]:
         """Mean and standard deviation of a search variable beforehand."""
-        if name in self.prior.centres:
-            return math.log(self.prior.centres[name]), self.prior.std
-        return 0.0, parameter.size
+        if name not in self.prior.centres:
+            return 0.0, parameter.size
+        centre, std = self.prior.centres[name], self.prior.std
+        return (math.log(centre), std) if parameter.lower > 0 else (centre, std * abs(centre))
 
     def channel_sums(self, residual: np.ndarray) -> np.ndarray:
         """The sum of squares of each channel's weighted residuals; a channel at its noise gives its independent samples."""
@@ -223,8 +224,8 @@ class Misfit:
         return self._with(model.with_parameters(changes), list(self.groups))
 
     def with_prior(self, std: float) -> "Misfit":
-        """The same misfit when its model's values are known to about `std`, of those that are searched in their logarithm."""
-        centres = {n: p.value for n, p, log in zip(self.names, self._free, self._log, strict=True) if log}
+        """The same misfit when its model's values are known to about `std`, relative to each; of zeros nothing is known."""
+        centres = {n: p.value for n, p in zip(self.names, self._free, strict=True) if p.value and math.isinf(p.size)}
         copy = object.__new__(Misfit)
         copy._setup(self.model, self.recordings, self.groups, self.simulator, self.step, Prior(centres, std))
         return copy

@@ -1,6 +1,7 @@
 """Thinner recordings for a search that tries many models: fast channels averaged to a rate that a structure cannot outrun."""
 
 from collections.abc import Mapping
+from types import MappingProxyType
 
 import numpy as np
 import xarray as xr
@@ -13,11 +14,12 @@ FILTER_MARGIN = 10.5
 """A channel filtered to class C needs more than 10 C samples a second for its filter (SAE J211)."""
 OPEN_CLASS = 600
 """A filter of this class or above lets through all that a structure does."""
+NONE: Mapping[str, int] = MappingProxyType({})
 MEMORY = 200
 """Samples after which such a filter has forgotten an impulse."""
 
 
-def thinned(recording: xr.DataTree, quantities: Mapping[str, str]) -> xr.DataTree:
+def thinned(recording: xr.DataTree, quantities: Mapping[str, str], halvings: Mapping[str, int] = NONE) -> xr.DataTree:
     """The recording with every fast, evenly sampled instrument brought to about `SEARCH_INTERVAL`.
 
     White channels are averaged over blocks centred on the samples that are kept, so that little is lost but what lies above
@@ -27,23 +29,26 @@ def thinned(recording: xr.DataTree, quantities: Mapping[str, str]) -> xr.DataTre
     Arguments:
         recording: one test.
         quantities: the recorded variable by the value of a group's attribute `observer`.
+        halvings: how often that interval is halved, by group.
     """
     changed = {
-        name: xr.DataTree(_thin(group.to_dataset(inherit=False), quantities[str(group.attrs["observer"])]))
+        name: xr.DataTree(
+            _thin(group.to_dataset(inherit=False), quantities[str(group.attrs["observer"])], halvings.get(name, 0))
+        )
         for name, group in recording.children.items()
         if str(group.attrs.get("observer")) in quantities
     }
     return recording.assign(changed)
 
 
-def _thin(instrument: xr.Dataset, quantity: str) -> xr.Dataset:
+def _thin(instrument: xr.Dataset, quantity: str, halvings: int) -> xr.Dataset:
     times = instrument["time"].values
     steps = np.diff(times)
     interval = float(np.median(steps)) if len(steps) else SEARCH_INTERVAL
     filter_class = int(instrument.attrs.get("channel_frequency_class", 0))
     is_closed = 0 < filter_class < OPEN_CLASS
     wanted = min(SEARCH_INTERVAL, 1.0 / (FILTER_MARGIN * filter_class)) if is_closed else SEARCH_INTERVAL
-    factor = int(wanted / interval + 1e-6)
+    factor = int(0.5**halvings * wanted / interval + 1e-6)
     if not is_closed and factor % 2 == 0:
         factor -= 1  # blocks are centred on samples
     if factor < 2 or np.ptp(steps) > 0.01 * interval:

@@ -49,7 +49,8 @@ def _fit(fit: Fit | None) -> dict[str, object]:
         channel: {measure: table.variables[measure].values[index] for measure in measures}
         for index, channel in enumerate(names)
     }
-    return {"normalised_rmse": fit.normalised_rmse, "channels": channels}
+    expected = {"expected_rmse": fit.expected_rmse, "untold": fit.untold} if fit.untold else {}
+    return {"normalised_rmse": fit.normalised_rmse, **expected, "channels": channels}
 
 
 def plain(value: object) -> object:

@@ -11,7 +11,7 @@ from crashkit.diagnose.reidentify import reidentify
 from crashkit.diagnose.rounds import LEAST_DROP, Round, _corrects, _is_given, _least_drop, _settled, needed, price
 from crashkit.diagnose.search import begin
 from crashkit.model import Joint, Parameter
-from crashkit.model.edit import with_joint
+from crashkit.model.edit import with_body, with_joint
 from crashkit.protocols import Proposal
 
 
@@ -44,7 +44,18 @@ def test_a_finding_that_the_fit_can_spare_is_dropped(workshop, offered):
 
 def test_a_finding_that_the_fit_needs_is_kept(workshop, offered):
     look, base, final = offered(800.0)
-    assert needed(workshop, (look,), base, final) == ((look,), base, final)
+    kept, *searches = needed(workshop, (look,), base, final)
+    assert [one.rivals for one in kept] == [look.rivals]
+    assert searches == [base, final]
+
+
+def test_what_is_kept_is_seen_against_the_model_without_what_was_dropped(workshop, model, offered):
+    """When it was found, a mass stood beside it that the final model does not have."""
+    look, base, final = offered(800.0)
+    loaded = with_body(model, evolve(model.body("front"), name="load", mass=Parameter(1.0, fixed=True), carrier="front"))
+    (kept,), _, _ = needed(workshop, (evolve(look, before=workshop.misfit(look.before, loaded)),), base, final)
+    assert kept.before.model == base.fitted().model
+    assert kept.before.channels == look.before.channels
 
 
 def test_what_all_samples_do_not_pay_for_is_worthless(offered):

@@ -3,9 +3,10 @@
 import math
 
 import pytest
+import xarray as xr
 
-from crashkit.diagnose.result import Estimate
-from crashkit.diagnose.words import number
+from crashkit.diagnose.result import Estimate, Fit
+from crashkit.diagnose.words import number, of_prediction
 
 
 @pytest.mark.parametrize(
@@ -19,3 +20,28 @@ from crashkit.diagnose.words import number
 )
 def test_a_number_is_told_with_its_deviation_if_it_has_one(estimate: Estimate, expected: str) -> None:
     assert number(estimate) == expected
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "expected", "told"),
+    [
+        (3.0, 1.04, 30.0, []),
+        (
+            3.0,
+            1.4,
+            1.6,
+            ["foretell the held-out ones only to about 1.6 times the noise; what they do not tell is mostly beta"],
+        ),
+        (3.0, 1.4, 1.01, ["Of the right model about 1.01 times the noise is to be expected"]),
+        (3.0, 9.0, 1.6, ["predicted worse than before", "only to about 1.6", "Of the right model about 1.60 times"]),
+    ],
+)
+def test_a_prediction_is_told_with_what_can_be_expected_of_it(before, after, expected, told):
+    fits = {"before": Fit(before, xr.Dataset()), "after": Fit(after, xr.Dataset(), expected, "beta")}
+    sentences = of_prediction(fits)
+    assert len(sentences) == len(told)
+    assert all(part in sentence for part, sentence in zip(told, sentences, strict=True))
+
+
+def test_without_held_out_runs_nothing_is_said_of_prediction():
+    assert of_prediction({}) == []

@@ -260,6 +260,19 @@ def test_what_is_known_beforehand_pulls_by_the_logarithm(misfit, model, recorded
     assert own.with_values({path: 1.3}).prior == own.prior
 
 
+def test_a_number_that_is_not_searched_in_its_logarithm_is_known_relative_to_itself(misfit, model, recorded):
+    """Else one that the recordings do not see could go anywhere; of a zero nothing is known."""
+    gap, rate = "joint.first.clearance", "joint.first.rate_coefficient"
+    free = model.with_parameters({gap: Parameter(0.01, 0.0, 1.0), rate: Parameter(0.0, -1.0, 1.0)})
+    own = misfit(free, run=recorded(model)).with_prior(0.2)
+    point = own.start()
+    assert own.departure(point) == 0.0
+    point[own.names.index(gap)] += 0.003
+    point[own.names.index(rate)] += 0.5
+    assert own.departure(point) == pytest.approx(2.25)
+    assert_jacobian(own.with_values({gap: 0.013}), 1e-6, 2e-5)
+
+
 def test_a_size_expected_of_a_parameter_pulls_it_towards_zero(misfit, model, recorded):
     path = "joint.first.clearance"
     expected = misfit(model.with_parameters({path: Parameter(0.01, 0.0, 1.0, size=0.004)}), run=recorded(model))

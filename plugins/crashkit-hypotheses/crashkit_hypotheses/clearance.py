@@ -25,7 +25,7 @@ class Clearance(Hypothesis):
 
     def _gap(self, model: Model, joint: Joint, reached: float) -> Proposal:
         gap = {"clearance": Parameter(0.0, 0.0, reached)}
-        starts = [{}, *grid(clearance=[share * reached for share in (0.05, 0.2)])]
+        starts = [{}, *grid(clearance=[share * reached for share in (0.05, 0.2, 0.5)])]
         return changed(model, joint, self.physics, "gap", gap, "clearance", starts)
 
     def _toe(self, model: Model, joint: Joint, reached: float) -> Proposal:

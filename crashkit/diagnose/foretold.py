@@ -1,0 +1,28 @@
+"""How well the fitted runs foretell the held-out ones, whatever is right or wrong about the model."""
+
+import numpy as np
+
+from crashkit.misfit import Misfit
+
+
+def foretold(final: Misfit, unseen: Misfit, believed: float) -> tuple[float, str]:
+    """The residual over noise that the right model would leave in runs that it was not fitted to, and the number to blame.
+
+        sqrt(1 + trace(J C J^T) / n),   C = (J_f^T J_f)^-1
+
+    with J and J_f the derivatives of the weighted residuals of the held-out and the fitted runs to the numbers, and n the
+    independent samples held out (Seber and Wild 1989, https://doi.org/10.1002/0471725315). To blame is the number that,
+    were it known, would lessen the trace most.
+
+    Arguments:
+        final: what was fitted, at its best fit.
+        unseen: the same model in the held-out runs.
+        believed: relative deviation to which a number is known that the fitted runs do not see.
+    """
+    fitted, start = final.with_prior(believed), unseen.start()
+    triangle = np.linalg.qr(fitted.residual_and_jacobian(fitted.start())[1], mode="r")
+    root = np.linalg.pinv(triangle)
+    jacobian = unseen.residual_and_jacobian(start)[1][: len(unseen.discrepancy(start))]
+    spread = jacobian @ root
+    saved = np.sum((spread @ root.T) ** 2, axis=0) / np.maximum(np.sum(root**2, axis=1), np.finfo(float).tiny)
+    return float(np.sqrt(1.0 + np.sum(spread**2) / unseen.independent_samples)), unseen.names[int(np.argmax(saved))]

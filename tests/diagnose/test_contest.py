@@ -1,0 +1,55 @@
+"""Which claims go on: estimated tables leave room for known causes, and the better of two quick searches counts."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from crashkit.diagnose.contest import GROWING, heats, scouted
+from crashkit.diagnose.name import propose_all
+from crashkit.diagnose.result import UNKNOWN
+from crashkit.protocols import Proposal
+
+
+def entrant(physics, cost):
+    """A claim whose search stands still."""
+    search = SimpleNamespace(state=SimpleNamespace(cost=cost), settled=True, advance=lambda steps: search)
+    return Proposal(physics, "", {"joint": "front"}, None, (), {}), search
+
+
+def ahead(entrants, size, monkeypatch):
+    monkeypatch.setattr("crashkit.diagnose.contest.advance_all", lambda searches, steps, told: searches)
+    return [(p.physics, search.state.cost) for p, search in heats(entrants, ((size, 1),), lambda doing, share: None)]
+
+
+def test_estimated_tables_take_half_of_the_places_at_most(monkeypatch):
+    """Two dozen heights fit better than the law that is missing, and explain less."""
+    tables, named = (
+        [entrant(UNKNOWN, cost) for cost in (1.0, 2.0, 3.0)],
+        [entrant("fracture", cost) for cost in (9.0, 8.0, 7.0)],
+    )
+    best = [("fracture", 7.0), ("fracture", 8.0), (UNKNOWN, 1.0), (UNKNOWN, 2.0)]
+    assert ahead([*tables, *named], 4, monkeypatch) == best
+
+
+@pytest.mark.parametrize("physics", [UNKNOWN, "fracture"])
+def test_places_that_nobody_else_wants_are_not_lost(monkeypatch, physics):
+    entrants = [entrant(physics, cost) for cost in (3.0, 1.0, 2.0)]
+    expected = [1.0, 2.0] if physics == UNKNOWN else [1.0, 2.0, 3.0]
+    assert [cost for _, cost in ahead(entrants, 4, monkeypatch)] == expected
+
+
+def test_a_scout_ends_no_worse_than_one_that_sees_all_the_time_from_the_start(workshop, model, misfit, recorded):
+    """Growing shares of the time lead past thresholds, but now and then astray."""
+    given = misfit(model.with_values({"joint.first.crush_force": 3e4}), run=recorded(model))
+    proposals = [p for p in propose_all(workshop.hypotheses, given) if p.physics in ("clearance", "viscous_damping")]
+    equipped = workshop.equipped([p.model for p in proposals])
+    starts = [(p, dict(p.starts[0])) for p in proposals]
+    both, plain = (scouted(equipped, given, starts, shares, len(starts)) for shares in (GROWING, (1.0,) * len(GROWING)))
+    costs = [{(p.physics, p.form): _coarse_cost(equipped, given, p, s) for p, s in ends} for ends in (both, plain)]
+    assert all(costs[0][claim] <= costs[1][claim] * (1.0 + 1e-9) for claim in costs[1])
+
+
+def _coarse_cost(workshop, given, proposal, search):
+    coarse = workshop.misfit(given.coarse, proposal.model)
+    return float(np.sum(coarse.residual(search.point) ** 2))
