@@ -118,7 +118,7 @@ class PeakLoad(Hypothesis):
 
 
 class ProgressiveFolding(Hypothesis):
-    """F = F_law + a force that oscillates with deformation: a sine, or folds that are skewed, arched and get shorter."""
+    """F = F_law + a force that oscillates with deformation: a sine, or skewed and arched folds that get shorter and lower."""
 
     physics: ClassVar[str] = "progressive_folding"
     sentence: ClassVar[str] = "the force of {place} oscillates with deformation: it folds progressively"
@@ -140,6 +140,7 @@ class ProgressiveFolding(Hypothesis):
             "skew": Parameter(0.0, -0.95, 0.95),
             "arch": Parameter(0.1, 0.0, 0.95),
             "shortening": Parameter(0.01, 0.0, 0.5),
+            "weakening": Parameter(0.01, 0.0, 3.0),
         }
         begin = min(plateau, LATEST * reached)
         lengths = [(reached - begin) / number for number in FOLDS]

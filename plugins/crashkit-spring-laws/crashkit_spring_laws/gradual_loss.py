@@ -42,6 +42,29 @@ class UnloadingLoss(SpringLaw):
         return 1.0 - loss * (1.0 - math.exp(-(d_max - d) / unloading_length))
 
 
+class ResidualSet(SpringLaw):
+    """A member that stays crushed: 1 - loss (1 - x^n), x = max(0, (d - s d_max) / ((1 - s) d_max)).
+
+    With a loss of 1 it comes back no further than to a share s of its largest deformation, whatever that was.
+    """
+
+    name = "residual_set"
+    unit = "1"
+    parameters = (
+        LOSS,
+        ParameterSpec("residual_share", "1", "share of the largest deformation that stays (s)", lower=0.0, upper=0.99),
+        ParameterSpec("unloading_exponent", "1", "how the force falls on the way back (n)", lower=1.0, upper=10.0),
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, loss: float, residual_share: float, unloading_exponent: float) -> float:
+        """The factor."""
+        x = 1.0 - (d_max - d) / ((1.0 - residual_share) * max(d_max, 1e-6))
+        if x <= 0.0:
+            return 1.0 - loss
+        return 1.0 - loss * (1.0 - x**unloading_exponent)
+
+
 class Fading(SpringLaw):
     """A force of which a share fades under load: 1 - fading_share m, with m' = (1 - m) / tau while d > 0, and -m / tau else.
 

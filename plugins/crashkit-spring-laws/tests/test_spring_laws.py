@@ -33,6 +33,7 @@ from crashkit_spring_laws import (
     RateLogarithm,
     RatePower,
     RateTable,
+    ResidualSet,
     SmoothTable,
     Softening,
     Tear,
@@ -79,7 +80,7 @@ EXAMPLES = [
     (Peak, {"peak_force": 5e4, "peak_deformation": 0.1}),
     (Peak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_sharpness": 8.0}),
     (Folding, {"amplitude": 2e4, "fold_length": 0.3, "onset": 0.2}),
-    (Folding, {"amplitude": 2e4, "fold_length": 0.2, "skew": 0.9, "arch": 0.4, "shortening": 0.1}),
+    (Folding, {"amplitude": 2e4, "fold_length": 0.2, "skew": 0.9, "arch": 0.4, "shortening": 0.1, "weakening": 0.3}),
     (SmoothTable, {"heights": [1e4, -2e4, 3e4], "reach": 0.6}),
     (RateTable, {"heights": [-1e4, 0.0, 2e4, 3e4], "reach": 10.0}),
     (RateCurve, {"rate_heights": [-0.4, 0.0, 0.2, 0.1], "rate_reach": 10.0}),
@@ -95,6 +96,7 @@ EXAMPLES = [
     (Brittle, {"stiffness": 1e6, "fracture_deformation": 0.3}),
     (Tear, {"tear_extension": 0.05, "loss": 0.7}),
     (UnloadingLoss, {"loss": 0.4, "unloading_length": 0.05}),
+    (ResidualSet, {"loss": 0.9, "residual_share": 0.6, "unloading_exponent": 1.5}),
     (Softening, {"softening_deformation": 0.3, "softening_length": 0.2, "loss": 0.7}),
     (Fading, {"fading_share": 0.6, "relaxation_time": 0.02}),
     (QuasiLinear, {"fresh_share": 0.6, "relaxation_time": 0.02, "holds": 1.0}),
@@ -282,6 +284,8 @@ def test_folds_have_a_shape():
     shorter = [value(Folding, d, **folds, shortening=0.1) for d in np.linspace(0.0, 1.0, 10001)]
     crossings = 1e-4 * np.flatnonzero(np.diff(np.signbit(shorter)))
     assert np.all(np.diff(np.diff(crossings)) < 0.0)
+    first, third = (value(Folding, d, **folds, weakening=0.5) for d in (0.05, 0.45))
+    assert third / first == pytest.approx(math.exp(-1.0))
 
 
 def test_tables():
@@ -323,6 +327,13 @@ def test_a_share_is_lost_on_the_way_back():
     member = {"loss": 0.4, "unloading_length": 0.05}
     factors = [value(UnloadingLoss, d, d_max=0.3, **member) for d in (0.3, 0.25, -10.0)]
     assert factors == pytest.approx([1.0, 1.0 - 0.4 * (1.0 - math.exp(-1.0)), 0.6])
+
+
+def test_a_member_that_stays_crushed_comes_back_to_its_share():
+    member = {"loss": 1.0, "residual_share": 0.6, "unloading_exponent": 2.0}
+    factors = [value(ResidualSet, d, d_max=0.5, **member) for d in (0.5, 0.4, 0.3, 0.1)]
+    assert factors == pytest.approx([1.0, 0.25, 0.0, 0.0])
+    assert value(ResidualSet, 0.0, d_max=0.0, **member) == 1.0
 
 
 def test_a_share_fades_under_load_and_comes_back_at_rest():
