@@ -1,7 +1,10 @@
 """How well the fitted runs foretell the held-out ones, whatever is right or wrong about the model."""
 
+import math
+
 import numpy as np
 
+from crashkit.errors import SimulationError
 from crashkit.misfit import Misfit
 
 
@@ -12,17 +15,24 @@ def foretold(final: Misfit, unseen: Misfit, believed: float) -> tuple[float, str
 
     with J and J_f the derivatives of the weighted residuals of the held-out and the fitted runs to the numbers, and n the
     independent samples held out (Seber and Wild 1989, https://doi.org/10.1002/0471725315). To blame is the number that,
-    were it known, would lessen the trace most.
+    were it known, would lessen the trace most. Not a number where the derivatives cannot be had.
 
     Arguments:
         final: what was fitted, at its best fit.
         unseen: the same model in the held-out runs.
         believed: relative deviation to which a number is known that the fitted runs do not see.
     """
+    if not unseen.names:
+        return 1.0, ""
     fitted, start = final.with_prior(believed), unseen.start()
-    triangle = np.linalg.qr(fitted.residual_and_jacobian(fitted.start())[1], mode="r")
-    root = np.linalg.pinv(triangle)
-    jacobian = unseen.residual_and_jacobian(start)[1][: len(unseen.discrepancy(start))]
+    try:
+        known = fitted.residual_and_jacobian(fitted.start())[1]
+        jacobian = unseen.residual_and_jacobian(start)[1][: len(unseen.discrepancy(start))]
+    except SimulationError:
+        return math.nan, ""
+    if not np.isfinite(known).all() or not np.isfinite(jacobian).all():
+        return math.nan, ""
+    root = np.linalg.pinv(np.linalg.qr(known, mode="r"))
     spread = jacobian @ root
     saved = np.sum((spread @ root.T) ** 2, axis=0) / np.maximum(np.sum(root**2, axis=1), np.finfo(float).tiny)
     return float(np.sqrt(1.0 + np.sum(spread**2) / unseen.independent_samples)), unseen.names[int(np.argmax(saved))]

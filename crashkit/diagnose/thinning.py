@@ -7,6 +7,7 @@ import xarray as xr
 
 from crashkit.diagnose.workshop import Workshop
 from crashkit.errors import SimulationError
+from crashkit.misfit import Group
 from crashkit.misfit.thin import thinned
 from crashkit.model import Model
 
@@ -45,19 +46,15 @@ def _thin(workshop: Workshop, recordings: Recordings, halvings: Mapping[str, int
 
 
 def _outrun(workshop: Workshop, model: Model, plain: Recordings, corrected: Recordings) -> set[str]:
-    """The instruments that a correction changes by more than a little of their noise, and that can be less thin."""
+    """The instruments that a correction changes by more than a little of their noise."""
     groups, others = (workshop.first_misfit(model, one).groups for one in (plain, corrected))
-    return {
-        group.name
-        for group, other in zip(groups, others, strict=True)
-        for i, channel in enumerate(group.channels)
-        if _sum_of_squares(group.recorded[:, i] - other.recorded[:, i]) * channel.noise.weight**2
-        > LITTLE**2 * channel.independent_samples
-    }
+    pairs = zip(groups, others, strict=True)
+    return {group.name for group, other in pairs if _is_changed(group, group.recorded - other.recorded)}
 
 
-def _sum_of_squares(values: np.ndarray) -> float:
-    return float(np.nansum(values**2))
+def _is_changed(group: Group, change: np.ndarray) -> bool:
+    weights, counts = zip(*((c.noise.weight, c.independent_samples) for c in group.channels), strict=True)
+    return bool(np.any(np.nansum((change * weights) ** 2, axis=0) > LITTLE**2 * np.array(counts)))
 
 
 def _with_expected(workshop: Workshop, recordings: Recordings, model: Model, share: float) -> dict[str, xr.DataTree]:

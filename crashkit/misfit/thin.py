@@ -14,12 +14,12 @@ FILTER_MARGIN = 10.5
 """A channel filtered to class C needs more than 10 C samples a second for its filter (SAE J211)."""
 OPEN_CLASS = 600
 """A filter of this class or above lets through all that a structure does."""
-NONE: Mapping[str, int] = MappingProxyType({})
+NO_HALVINGS: Mapping[str, int] = MappingProxyType({})
 MEMORY = 200
 """Samples after which such a filter has forgotten an impulse."""
 
 
-def thinned(recording: xr.DataTree, quantities: Mapping[str, str], halvings: Mapping[str, int] = NONE) -> xr.DataTree:
+def thinned(recording: xr.DataTree, quantities: Mapping[str, str], halvings: Mapping[str, int] = NO_HALVINGS) -> xr.DataTree:
     """The recording with every fast, evenly sampled instrument brought to about `SEARCH_INTERVAL`.
 
     White channels are averaged over blocks centred on the samples that are kept, so that little is lost but what lies above

@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
+from attrs import evolve
 
 from crashkit.diagnose.foretold import foretold
 from crashkit.diagnose.search import begin
+from crashkit.errors import SimulationError
+from crashkit.misfit import Misfit
 
 END = "joint.first.densification_deformation"
 AFTER = "joint.first.densification_stiffness"
@@ -41,3 +44,24 @@ def test_it_is_what_models_leave_that_the_fitted_runs_cannot_tell_apart(workshop
     left = np.mean([np.sum((held.discrepancy(draw) - clean) ** 2) for draw in draws])
     expected, _ = foretold(final, held, 0.3)
     assert n * (expected**2 - 1.0) == pytest.approx(left, rel=0.5)
+
+
+def test_where_there_is_nothing_to_know_nothing_is_uncertain(model, misfit, recorded):
+    fixed = model.with_parameters({path: evolve(p, fixed=True) for path, p in model.free_parameters().items()})
+    one = misfit(fixed, run=recorded(model))
+    assert foretold(one, one, 0.3) == (1.0, "")
+
+
+@pytest.mark.parametrize("broken", ["raises", "overflows"])
+def test_where_derivatives_cannot_be_had_nothing_is_promised(model, misfit, recorded, monkeypatch, broken):
+    one = misfit(model, run=recorded(model))
+    residual, jacobian = one.residual_and_jacobian(one.start())
+
+    def derivatives(self, scaled):
+        if broken == "raises":
+            raise SimulationError("it does not move")
+        return residual, np.full_like(jacobian, np.inf)
+
+    monkeypatch.setattr(Misfit, "residual_and_jacobian", derivatives)
+    expected, untold = foretold(one, one, 0.3)
+    assert np.isnan(expected) and untold == ""
