@@ -97,10 +97,14 @@ class Force:
 
 @frozen
 class FitTable:
-    """The fits of one set of runs; each row is a channel's name and its fits before and after."""
+    """The fits of one set of runs; each row is a channel's name and its fits before and after.
+
+    `expected` is what the right model would leave there, NaN where that was not asked.
+    """
 
     runs: str
     overall: dict[str, float]
+    expected: float
     channels: tuple[tuple[str, dict[str, ChannelFit]], ...]
 
 
@@ -137,7 +141,8 @@ def _fit_table(diagnosis: Diagnosis, runs: str) -> FitTable | None:
     by_model = {model: fits_of(fits[model]) if model in fits else {} for model in MODELS}
     overall = {model: fits[model].normalised_rmse if model in fits else float("nan") for model in MODELS}
     channels = [(name, {model: by_model[model].get(name, UNRATED) for model in MODELS}) for name in by_model["before"]]
-    return FitTable(runs, overall, tuple(channels))
+    expected = fits["after"].expected_rmse if "after" in fits else math.nan
+    return FitTable(runs, overall, expected, tuple(channels))
 
 
 def _rounds(ranking: xr.Dataset) -> list[tuple[int, list[Row]]]:

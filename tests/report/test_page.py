@@ -114,6 +114,14 @@ def test_tables_show_hypotheses_fits_instruments_and_parameters(page: Page, diag
     assert "no run rebounds far enough" in page.sections["notes"]
 
 
+def test_what_was_to_be_expected_of_a_prediction_stands_beside_it(diagnosis):
+    held = diagnosis.fits["holdout"]
+    vague = evolve(held["after"], expected_rmse=13.2, untold="joint.front.crush_force")
+    fits = {**diagnosis.fits, "holdout": {**held, "after": vague}}
+    assert "13.2 to be expected" in render(evolve(diagnosis, fits=fits))
+    assert "to be expected<" not in render(diagnosis)
+
+
 def test_the_folder_is_self_contained(diagnosis: Diagnosis, tmp_path: Path) -> None:
     path = write_report(diagnosis, tmp_path / "report")
     text = path.read_text("utf-8")
