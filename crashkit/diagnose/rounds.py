@@ -1,6 +1,6 @@
 """Effects come in twos: name the strongest, look again at what is left, then question each in the light of the others."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 from attrs import evolve, field, frozen
@@ -115,7 +115,7 @@ def _beside(
 def _discovered(workshop: Workshop, given: Misfit, base_search: Search, progress: Progress) -> Discovery:
     """Round after round, with everything in sight."""
     base_search, look = _first_look(workshop, given, base_search, progress)
-    rounds, look = _named_before_unknown(workshop, given, look, progress)
+    rounds, look = _named_before_unknown(workshop, given, base_search, look, progress)
     search = base_search
     while look.winner is not None and not _corrects(look.winner, rounds):
         look = _settled(workshop, given, look, look.winner, progress)
@@ -143,30 +143,50 @@ def _first_look(workshop: Workshop, given: Misfit, base_search: Search, progress
     return better, look if is_plain else _look(workshop, given, better.fitted(), [], progress)
 
 
-def _named_before_unknown(workshop: Workshop, given: Misfit, look: Round, progress: Progress) -> tuple[list[Round], Round]:
+def _named_before_unknown(
+    workshop: Workshop, given: Misfit, base_search: Search, look: Round, progress: Progress
+) -> tuple[list[Round], Round]:
     """Nothing and the round; or, where an unknown force has won it, two named causes that fit better than its table.
 
     One table takes up much of two effects at once, but not all, where each of them alone leaves the other.
     """
-    named = [rival for rival in look.rivals if rival.proposal.physics != UNKNOWN]
-    is_unknown = look.winner is not None and look.winner.proposal.physics == UNKNOWN
-    if look.winner is None or not is_unknown or look.winner.search.normalised < FLOOR or not named:
+    table = look.winner
+    if table is None or not _is_unknown(table) or table.search.normalised < FLOOR:
         return [], look
+    for first, second in _pairs(workshop, given, base_search, look, table, progress):
+        other = second.winner
+        if other is not None and not _is_unknown(other) and other.search.deviance < table.search.deviance:
+            return [first], second
+    return [], look
+
+
+def _pairs(
+    workshop: Workshop, given: Misfit, base_search: Search, look: Round, table: Rival, progress: Progress
+) -> Iterator[tuple[Round, Round]]:
+    """The best named cause, and what is left beside it; then the cause that stands out beside the table, likewise."""
+    named = [rival for rival in look.rivals if not _is_unknown(rival)]
     chances, nothing = probabilities(named, len(named))
     first = evolve(look, rivals=tuple(named), probabilities=tuple(chances.tolist()), nothing=nothing)
-    if first.winner is None:
-        return [], look
-    first = _settled(workshop, given, first, first.winner, progress)
-    second = _look(workshop, given, first.rivals[0].search.fitted(), [first.rivals[0]], progress)
-    other = second.winner
-    if other is None or other.proposal.physics == UNKNOWN or other.search.deviance > look.winner.search.deviance:
-        return [], look
-    return [first], second
+    if first.winner is not None:
+        first = _settled(workshop, given, first, first.winner, progress)
+        yield first, _look(workshop, given, first.rivals[0].search.fitted(), [first.rivals[0]], progress)
+    beside = _look(workshop, given, table.search.fitted(), [table], progress)
+    if beside.winner is None or _is_unknown(beside.winner):
+        return
+    alone = rebuild(workshop, base_search, [beside.winner], beside.winner.search)
+    if alone is not None:
+        found = evolve(beside.winner, search=alone)
+        first = evolve(beside, rivals=(found, *beside.rivals[1:]))
+        yield first, _look(workshop, given, alone.fitted(), [found], progress)
+
+
+def _is_unknown(rival: Rival) -> bool:
+    return rival.proposal.physics == UNKNOWN
 
 
 def _settled(workshop: Workshop, given: Misfit, look: Round, winner: Rival, progress: Progress) -> Round:
     """The round with its winner re-identified, where something is left."""
-    if winner.search.normalised < FLOOR or winner.proposal.physics == UNKNOWN:
+    if winner.search.normalised < FLOOR or _is_unknown(winner):
         return look
     found = again(workshop, given, winner, progress)
     gained = winner.search.deviance - found.deviance
@@ -179,12 +199,12 @@ def _settled(workshop: Workshop, given: Misfit, look: Round, winner: Rival, prog
 def _corrects(winner: Rival, rounds: Sequence[Round]) -> bool:
     """A table at the place of a named finding says how far the form of that is off, not that there is more."""
     places = [place_of(look.rivals[0].proposal.location) for look in rounds]
-    return winner.proposal.physics == UNKNOWN and place_of(winner.proposal.location) in places
+    return _is_unknown(winner) and place_of(winner.proposal.location) in places
 
 
 def _is_estimated(rounds: Sequence[Round]) -> bool:
     """Beside a force that is only estimated nothing more can be named: what is left is mostly how coarse the estimate is."""
-    return bool(rounds) and rounds[-1].rivals[0].proposal.physics == UNKNOWN
+    return bool(rounds) and _is_unknown(rounds[-1].rivals[0])
 
 
 def _look(

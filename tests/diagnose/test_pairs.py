@@ -1,0 +1,72 @@
+"""Two named causes instead of one table: whose round comes first, and when the table stays."""
+
+from types import SimpleNamespace
+
+import pytest
+from attrs import evolve
+
+from crashkit.diagnose import rounds
+from crashkit.diagnose.name import Rival
+from crashkit.diagnose.result import UNKNOWN
+from crashkit.diagnose.rounds import Round
+from crashkit.protocols import Proposal
+
+
+def rival(physics, deviance, normalised=1.5):
+    search = SimpleNamespace(deviance=deviance, normalised=normalised, fitted=lambda: None)
+    drop = 5000.0 - deviance
+    return Rival(Proposal(physics, "", {"joint": "front"}, None, ("a",), {}), search, drop, 0.5 * drop)
+
+
+def won_by(*rivals):
+    return Round(rivals, (1.0,) + (0.0,) * (len(rivals) - 1), 0.0, None)
+
+
+@pytest.fixture
+def named(monkeypatch):
+    """What stands in the place of a round that a table won, where later looks are these and a claim alone fits so well."""
+
+    def ask(look, later, alone=3000.0):
+        looks = iter(later)
+        monkeypatch.setattr(rounds, "_look", lambda *_: next(looks))
+        monkeypatch.setattr(rounds, "_settled", lambda workshop, given, look, winner, progress: look)
+        monkeypatch.setattr(rounds, "rebuild", lambda workshop, base, rivals, last: rival("alone", alone).search)
+        first, then = rounds._named_before_unknown(None, None, None, look, None)
+        return [one.rivals[0].proposal.physics for one in first], then.rivals[0].proposal.physics
+
+    return ask
+
+
+TABLE = rival(UNKNOWN, 1000.0)
+NOTHING = evolve(won_by(rival("bias", 990.0)), nothing=1.0)
+
+
+def test_the_best_named_cause_and_one_beside_it_that_fit_better_than_the_table(named):
+    look = won_by(TABLE, rival("fracture", 2000.0))
+    assert named(look, [won_by(rival("clearance", 500.0))]) == (["fracture"], "clearance")
+
+
+def test_a_cause_that_stands_out_only_beside_the_table(named):
+    """The best named cause stood in for both, and nothing fits beside it."""
+    look = won_by(TABLE, rival("carried_load", 2000.0))
+    later = [NOTHING, won_by(rival("ground_friction", 600.0)), won_by(rival("progressive_folding", 500.0))]
+    assert named(look, later) == (["ground_friction"], "progressive_folding")
+
+
+@pytest.mark.parametrize(
+    "later",
+    [
+        [NOTHING, NOTHING],
+        [NOTHING, won_by(rival(UNKNOWN, 600.0))],
+        [NOTHING, won_by(rival("ground_friction", 600.0)), NOTHING],
+        [NOTHING, won_by(rival("ground_friction", 600.0)), won_by(rival("progressive_folding", 1500.0))],
+        [NOTHING, won_by(rival("ground_friction", 600.0)), won_by(rival(UNKNOWN, 500.0))],
+    ],
+)
+def test_otherwise_the_table_stays(named, later):
+    assert named(won_by(TABLE, rival("carried_load", 2000.0)), later) == ([], UNKNOWN)
+
+
+def test_a_table_at_the_noise_is_believed(named):
+    look = won_by(rival(UNKNOWN, 1000.0, normalised=1.0), rival("fracture", 2000.0))
+    assert named(look, []) == ([], UNKNOWN)
