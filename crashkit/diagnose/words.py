@@ -77,15 +77,15 @@ def of_prediction(fits: Mapping[str, Fit]) -> list[str]:
         sentences.append(
             "The held-out runs are predicted worse than before: do not trust this outside the runs that were fitted."
         )
-    if expected > FLOOR:
-        sentences.append(
-            f"The fitted runs foretell the held-out ones only to about {expected:.2g} times the noise; what they do not tell "
-            f"is mostly {fits['after'].untold}."
-        )
     if after > BEYOND * expected:
         sentences.append(
             f"Of the right model about {expected:.2f} times the noise is to be expected there: a law has another form than "
             "was found, or more is missing."
+        )
+    elif expected > FLOOR:
+        sentences.append(
+            f"The fitted runs foretell the held-out ones only to about {expected:.2g} times the noise; what they do not tell "
+            f"is mostly {fits['after'].untold}."
         )
     return sentences
 
