@@ -80,7 +80,7 @@ def of_prediction(fits: Mapping[str, Fit]) -> list[str]:
     if after > BEYOND * expected:
         sentences.append(
             f"Of the right model about {expected:.2f} times the noise is to be expected there: a law has another form than "
-            "was found, or more is missing."
+            "the model says, or something is missing."
         )
     elif expected > FLOOR:
         sentences.append(
