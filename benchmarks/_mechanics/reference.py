@@ -66,7 +66,7 @@ class Reference:
         self._fill()
         for column, path in enumerate(self.paths):
             self._seed(column, path)
-        self.library = _built(self._definitions())
+        self.compiled = _built(self._definitions())
         self._number = ctypes.c_longdouble if extended else ctypes.c_double
 
     def run(self, times: Floats, step: float, plain: bool = False) -> tuple[Motion, Motion]:
@@ -83,7 +83,7 @@ class Reference:
     def call(self, times: Floats, step: float, plain: bool, values: Floats, tangents: Floats) -> tuple[int, int]:
         """The C function and nothing else; returns how many steps it took, and how many it tried."""
         trials = ctypes.c_long()
-        steps = self.library.integrate(
+        steps = self.compiled.integrate(
             *map(_pointer, (self.input, self.seeds)),
             int(plain),
             _pointer(times),
@@ -107,7 +107,7 @@ class Reference:
 
     def call_many(self, inputs: Floats, end: float, step: float, plain: bool, values: Floats) -> int:
         """Many runs to `end`, the state of each there to `values`; returns how many steps."""
-        steps: int = self.library.integrate_many(
+        steps: int = self.compiled.integrate_many(
             _pointer(inputs),
             ctypes.c_long(inputs.size),
             _pointer(self.seeds),

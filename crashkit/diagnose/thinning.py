@@ -13,7 +13,8 @@ from crashkit.model import Model
 
 LITTLE = 0.5
 """Of the standard deviation of a reading: what thinning may do to a channel's readings, root mean square, for a search."""
-HALVINGS = 5
+RATES = 5
+"""That are tried, each twice the last: what outruns 32 000 samples a second is no structure."""
 
 Recordings = Mapping[str, xr.DataTree]
 
@@ -29,7 +30,7 @@ def thinned_by(workshop: Workshop, recordings: Recordings, model: Model) -> dict
     halvings: dict[str, int] = {}
     try:
         rest = _with_expected(workshop, recordings, model, -1.0)
-        for _ in range(HALVINGS):
+        for _ in range(RATES):
             corrected = _with_expected(workshop, _thin(workshop, rest, halvings), model, 1.0)
             outrun = _outrun(workshop, model, _thin(workshop, recordings, halvings), corrected)
             if not outrun:

@@ -22,6 +22,7 @@ VERDICTS = {
 
 MOST_LIMITS = 5
 WORSE = 0.05
+"""By which a prediction must be worse than before to be called so: less is the scatter of noise."""
 BEYOND = 1.15
 """Factor beyond what is expected of the right model from which a prediction speaks against the model."""
 
