@@ -12,10 +12,12 @@ from crashkit.diagnose.experiment import experiment
 from crashkit.diagnose.finding import estimates, make_finding, stand_ins
 from crashkit.diagnose.fits import curves_of, fit_of, predict
 from crashkit.diagnose.foretold import foretold
+from crashkit.diagnose.look import Round
 from crashkit.diagnose.name import FLOOR
+from crashkit.diagnose.needed import needed, price, run_drops
 from crashkit.diagnose.reidentify import STEPS, refine, reidentify
 from crashkit.diagnose.result import UNKNOWN, Alternative, Diagnosis, Finding, Fit, place_of
-from crashkit.diagnose.rounds import Discovery, Round, discover, needed, price, run_drops
+from crashkit.diagnose.rounds import Discovery, discover
 from crashkit.diagnose.search import Search, begin
 from crashkit.diagnose.show import action_of, identified_table, limits_table, missing_force_tree, ranking_table, units_of
 from crashkit.diagnose.thinning import thinned_by

@@ -8,7 +8,7 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.diagnose.finding import estimates, make_finding, stand_ins
-from crashkit.diagnose.rounds import run_drops
+from crashkit.diagnose.needed import run_drops
 from crashkit.protocols import Identification, Proposal, Status
 
 TIMES = np.arange(100) * 1e-3

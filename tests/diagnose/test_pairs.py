@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import pytest
 from attrs import evolve
 
-from crashkit.diagnose import rounds
+from crashkit.diagnose import pairs
+from crashkit.diagnose.look import Round
 from crashkit.diagnose.name import Rival
 from crashkit.diagnose.result import UNKNOWN
-from crashkit.diagnose.rounds import Round
 from crashkit.protocols import Proposal
 
 
@@ -28,10 +28,10 @@ def named(monkeypatch):
 
     def ask(look, later, alone=3000.0):
         looks = iter(later)
-        monkeypatch.setattr(rounds, "_look", lambda *_: next(looks))
-        monkeypatch.setattr(rounds, "_settled", lambda workshop, given, look, winner, progress: look)
-        monkeypatch.setattr(rounds, "rebuild", lambda workshop, base, rivals, last: rival("alone", alone).search)
-        first, then = rounds._named_before_unknown(None, None, None, look, None)
+        monkeypatch.setattr(pairs, "look_again", lambda *_: next(looks))
+        monkeypatch.setattr(pairs, "settled", lambda workshop, given, look, winner, progress: look)
+        monkeypatch.setattr(pairs, "rebuild", lambda workshop, base, rivals, last: rival("alone", alone).search)
+        first, then = pairs.named_before_unknown(None, None, None, look, None)
         return [one.rivals[0].proposal.physics for one in first], then.rivals[0].proposal.physics
 
     return ask

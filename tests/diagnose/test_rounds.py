@@ -6,9 +6,11 @@ from attrs import evolve
 
 from crashkit.diagnose.diagnosis import _is_worthless
 from crashkit.diagnose.left_out import left_out_drop
+from crashkit.diagnose.look import LEAST_DROP, Round, _is_given, _least_drop, settled
 from crashkit.diagnose.name import Rival
+from crashkit.diagnose.needed import needed, price
 from crashkit.diagnose.reidentify import reidentify
-from crashkit.diagnose.rounds import LEAST_DROP, Round, _corrects, _is_given, _least_drop, _settled, needed, price
+from crashkit.diagnose.rounds import _corrects
 from crashkit.diagnose.search import begin
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_body, with_joint
@@ -105,15 +107,15 @@ def test_a_winner_that_leaves_something_is_identified_again(workshop, offered):
     damping = look.rivals[0].proposal.parameters[0]
     misled = final.misfit.with_values({**final.misfit.values(final.point), damping: 8000.0})
     winner = evolve(look.rivals[0], search=begin(workshop.identifier, misled))
-    settled = _settled(workshop, look.before, look, winner, lambda doing, share: None).rivals[0]
-    gained = winner.search.deviance - settled.search.deviance
-    assert settled.search.deviance == pytest.approx(final.deviance, abs=1.0)
-    assert (settled.drop - winner.drop, settled.evidence - winner.evidence) == pytest.approx((gained, 0.5 * gained))
+    found = settled(workshop, look.before, look, winner, lambda doing, share: None).rivals[0]
+    gained = winner.search.deviance - found.search.deviance
+    assert found.search.deviance == pytest.approx(final.deviance, abs=1.0)
+    assert (found.drop - winner.drop, found.evidence - winner.evidence) == pytest.approx((gained, 0.5 * gained))
 
 
 def test_a_winner_that_explains_everything_is_left_as_it_is(workshop, offered):
     look, _, _ = offered(800.0)
-    assert _settled(workshop, look.before, look, look.rivals[0], lambda doing, share: None) is look
+    assert settled(workshop, look.before, look, look.rivals[0], lambda doing, share: None) is look
 
 
 def test_physics_that_is_there_predicts_runs_that_were_left_out(offered):

@@ -1,0 +1,114 @@
+"""One look at what a model leaves: every hypothesis that has not been found already is fitted to it and weighed."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+from attrs import evolve, field, frozen
+
+from crashkit.diagnose.contest import Progress, identity
+from crashkit.diagnose.name import FLOOR, Limit, Rival, again, best_forms, fit_rivals, probabilities, propose_all
+from crashkit.diagnose.result import UNKNOWN
+from crashkit.diagnose.workshop import Workshop
+from crashkit.misfit import Misfit
+from crashkit.model import Model
+from crashkit.protocols import Proposal
+
+CHANCE = 0.01
+"""A finding is made when the probability that there is nothing falls below this."""
+LEAST_DROP = 20.0
+"""Chi squared that a finding must at least explain: among a hundred trials of noise the largest stays below it."""
+FORM_ERRORS = (0.01, 0.03)
+"""Share of what was explained already that a second and a third finding must at least explain: the form of a law is never
+quite right, and a form that is wrong by 10 % of its effect leaves the first. Three effects at once are rare, two forms that
+are wrong are not."""
+READINGS = 0.2
+"""How much of that a claim about one instrument must explain: the error of a form shows in all of them."""
+
+
+@frozen
+class Round:
+    """One look at what is left: the rivals in order, their probabilities, that of nothing, the misfit before, how much of
+    chi squared a finding must at least explain, and the smallest effects that would have been seen."""
+
+    rivals: tuple[Rival, ...]
+    probabilities: tuple[float, ...]
+    nothing: float
+    before: Misfit
+    least: float = LEAST_DROP
+    limits: tuple[Limit, ...] = field(default=())
+
+    @property
+    def winner(self) -> Rival | None:
+        """The rival that convinces, if one does."""
+        if not self.rivals or self.nothing >= CHANCE:
+            return None
+        first = self.rivals[0]
+        is_of_readings = not {"sensor", "instrument"}.isdisjoint(first.proposal.location)
+        least = max(LEAST_DROP, READINGS * self.least) if is_of_readings else self.least
+        return first if first.drop > least else None
+
+
+def look_again(
+    workshop: Workshop,
+    given: Misfit,
+    current: Misfit,
+    found: Sequence[Rival],
+    progress: Progress,
+    concerns: Callable[[Proposal, Model], bool] | None = None,
+) -> Round:
+    """Every hypothesis that has not been found already, at the places of the given model, against what is left.
+
+    Once something has been found, the model's own numbers have no more reason to hide the rest.
+
+    Arguments:
+        concerns: which proposals, built on the current model, are to be looked at; None: all.
+    """
+    known = {rival.identity for rival in found}
+    everything = [p for p in propose_all(workshop.hypotheses, current) if concerns is None or concerns(p, current.model)]
+    proposals = [p for p in everything if identity(p) not in known and _is_given(given.model, p.location)]
+    equipped = workshop.equipped([p.model for p in proposals])
+    afresh = not found or concerns is not None
+    ranked, limits = fit_rivals(equipped, current, _as_given(current, given), proposals, afresh, progress)
+    best = best_forms(ranked)
+    chances, nothing = probabilities(best, len({identity(p) for p in proposals}))
+    return Round(tuple(best), tuple(chances.tolist()), nothing, current, _least_drop(found), tuple(limits))
+
+
+def _least_drop(found: Sequence[Rival]) -> float:
+    """What a further finding must explain, in chi squared."""
+    return (
+        max(LEAST_DROP, FORM_ERRORS[min(len(found), len(FORM_ERRORS)) - 1] * sum(rival.drop for rival in found))
+        if found
+        else LEAST_DROP
+    )
+
+
+def _as_given(current: Misfit, given: Misfit) -> Misfit:
+    """The current model with its first parameters back at the values that the user gave."""
+    known = {name: parameter.value for name, parameter in given.model.free_parameters().items()}
+    return current.with_values({name: value for name, value in known.items() if name in current.names})
+
+
+def _is_given(model: Model, location: Mapping[str, object]) -> bool:
+    """What a finding has added is not itself a place for further physics."""
+    bodies, joints = {body.name for body in model.bodies}, {joint.name for joint in model.joints}
+    named = {"joint": joints, "body": bodies, "bodies": bodies}
+    return all(
+        set(np.ravel(np.asarray(location[kind])).tolist()) <= known for kind, known in named.items() if kind in location
+    )
+
+
+def settled(workshop: Workshop, given: Misfit, look: Round, winner: Rival, progress: Progress) -> Round:
+    """The round with its winner re-identified, where something is left."""
+    if winner.search.normalised < FLOOR or is_unknown(winner):
+        return look
+    found = again(workshop, given, winner, progress)
+    gained = winner.search.deviance - found.deviance
+    if not gained > 0.0:
+        return look
+    better = evolve(winner, search=found, drop=winner.drop + gained, evidence=winner.evidence + 0.5 * gained)
+    return evolve(look, rivals=(better, *look.rivals[1:]))
+
+
+def is_unknown(rival: Rival) -> bool:
+    return rival.proposal.physics == UNKNOWN

@@ -1,0 +1,49 @@
+"""Which findings the final fit can spare, and what each is worth."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from attrs import evolve
+
+from crashkit.diagnose.look import LEAST_DROP, Round
+from crashkit.diagnose.rebuild import rebuild, without_winner
+from crashkit.diagnose.search import Search
+from crashkit.diagnose.workshop import Workshop
+from crashkit.misfit import Misfit
+from crashkit.protocols import Proposal
+
+
+def needed(
+    workshop: Workshop, rounds: Sequence[Round], base: Search, final: Search
+) -> tuple[tuple[Round, ...], Search, Search]:
+    """The findings without which the fit is worse by more than their price, and the fits without any and with these.
+
+    An early finding may only have led the search past a local optimum.
+    """
+    kept = list(rounds)
+    for look in rounds:
+        others = [one for one in kept if one is not look]
+        base = min(base, without_winner(base, look.rivals[0]), key=lambda search: search.deviance)
+        without = rebuild(workshop, base, [one.rivals[0] for one in others], final)
+        if without is not None and without.deviance < final.deviance + price(look.rivals[0].proposal, final.misfit):
+            kept, final = others, without
+    return tuple(evolve(look, before=_without(workshop, look, kept, base, final)) for look in kept), base, final
+
+
+def _without(workshop: Workshop, look: Round, kept: Sequence[Round], base: Search, final: Search) -> Misfit:
+    """The fit with all other findings that were kept: when this one was made, others may have stood beside it."""
+    others = [one.rivals[0] for one in kept if one is not look]
+    model = (rebuild(workshop, base, others, final) or base).fitted().model
+    return workshop.equipped([model]).misfit(look.before, model)
+
+
+def price(proposal: Proposal, misfit: Misfit) -> float:
+    """Chi squared that a finding must explain to be worth its parameters, as the evidence counts them (Schwarz 1978)."""
+    return max(LEAST_DROP, len(proposal.parameters) * float(np.log(misfit.independent_samples)))
+
+
+def run_drops(before: Misfit, after: Misfit) -> dict[str, float]:
+    """By how much chi squared drops in each run."""
+    sums = [misfit.channel_sums(misfit.residual(misfit.start())) for misfit in (before, after)]
+    runs = [channel.run for channel in before.channels]
+    return {run: float(np.sum((sums[0] - sums[1])[[r == run for r in runs]])) for run in before.recordings}
