@@ -1,5 +1,6 @@
 """From many claims to the few that fit: a score for all, a quick search for the promising, long ones for those ahead."""
 
+import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -112,10 +113,17 @@ def heats(entrants: Sequence[Entrant], sizes: Sequence[tuple[int, int]], progres
 
 def _ahead(entrants: Sequence[Entrant], size: int) -> list[Entrant]:
     """The best of them; half the places are kept from estimated tables, whose many heights fit better than they explain."""
-    ranked = sorted(entrants, key=lambda entrant: entrant[1].state.cost)
+    ranked = sorted(entrants, key=_priced)
     tables = [entrant for entrant in ranked if entrant[0].physics == UNKNOWN][: size // 2]
     named = [entrant for entrant in ranked if entrant[0].physics != UNKNOWN]
     return [*named[: size - len(tables)], *tables]
+
+
+def _priced(entrant: Entrant) -> float:
+    """Cost with the price of the numbers that were added, as the evidence counts them: forms of one claim with more and more
+    numbers would take the places of a simpler one that explains as much."""
+    proposal, search = entrant
+    return search.state.cost + 0.5 * len(proposal.parameters) * math.log(search.misfit.independent_samples)
 
 
 def _told(progress: Progress, proposals: Sequence[Proposal], done: int) -> None:

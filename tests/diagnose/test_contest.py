@@ -11,10 +11,11 @@ from crashkit.diagnose.result import UNKNOWN
 from crashkit.protocols import Proposal
 
 
-def entrant(physics, cost):
-    """A claim whose search stands still."""
-    search = SimpleNamespace(state=SimpleNamespace(cost=cost), settled=True, advance=lambda steps: search)
-    return Proposal(physics, "", {"joint": "front"}, None, (), {}), search
+def entrant(physics, cost, numbers=()):
+    """A claim whose search of a thousand samples stands still."""
+    misfit = SimpleNamespace(independent_samples=1000.0)
+    search = SimpleNamespace(state=SimpleNamespace(cost=cost), misfit=misfit, settled=True, advance=lambda steps: search)
+    return Proposal(physics, "", {"joint": "front"}, None, numbers, {}), search
 
 
 def ahead(entrants, size, monkeypatch):
@@ -30,6 +31,13 @@ def test_estimated_tables_take_half_of_the_places_at_most(monkeypatch):
     )
     best = [("fracture", 7.0), ("fracture", 8.0), (UNKNOWN, 1.0), (UNKNOWN, 2.0)]
     assert ahead([*tables, *named], 4, monkeypatch) == best
+
+
+def test_numbers_that_explain_nothing_more_cost_a_place(monkeypatch):
+    """A load on a stiff tie moves like a mass that is wrong."""
+    tied = [entrant("carried_load", cost, ("mass", "stiffness", "damping")) for cost in (90.0, 91.0)]
+    assert ahead([*tied, entrant("added_mass", 95.0, ("mass",))], 1, monkeypatch) == [("added_mass", 95.0)]
+    assert ahead([*tied, entrant("added_mass", 98.0, ("mass",))], 1, monkeypatch) == [("carried_load", 90.0)]
 
 
 @pytest.mark.parametrize("physics", [UNKNOWN, "fracture"])
