@@ -52,21 +52,25 @@ def promising(scored: Sequence[tuple[Proposal, Score]], most: int, least: float)
     return [(proposal, one.values) for proposal, one in best]
 
 
-def scouted(workshop: Workshop, origin: Misfit, starts: Sequence[Start], shares: Sequence[float], most: int) -> list[Entrant]:
+def scouted(
+    workshop: Workshop, origin: Misfit, starts: Sequence[Start], shares: Sequence[float], most: int, astray: float
+) -> list[Entrant]:
     """Searches from where quick ones at few instants end, of which the best go on.
 
     Arguments:
         shares: of the time recorded, looked at one after the other. Where they grow, a search seldom jumps over a threshold;
             instruments have none.
         most: how many go on.
+        astray: cost at few instants above which slices of time have led a search astray, and one of all the time is tried.
     """
     slices = [early for early in (origin.coarse.up_to(share) for share in shares) if early.groups]
 
     def ahead_of(start: Start) -> tuple[Mapping[str, float], float]:
         proposal, values = start
-        is_of_readings = workshop.hypotheses[proposal.physics].sensor
-        routes = [slices[-1:]] if is_of_readings or len(slices) == 1 else [slices, slices[-1:] * len(slices)]
-        return min((_scout(workshop, proposal, values, route) for route in routes), key=lambda end: end[1])
+        if workshop.hypotheses[proposal.physics].sensor or len(slices) == 1:
+            return _scout(workshop, proposal, values, slices[-1:])
+        end = _scout(workshop, proposal, values, slices)
+        return end if end[1] < astray else min(end, _scout(workshop, proposal, values, slices[-1:] * 2), key=lambda one: one[1])
 
     found = zip(starts, spread(ahead_of, starts), strict=True)
     ahead = sorted(((proposal, *end) for (proposal, _), end in found), key=lambda one: one[2])[:most]

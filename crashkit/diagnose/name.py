@@ -108,18 +108,19 @@ def fit_rivals(
     reference, deviance = float(residual @ residual), base.deviance(residual)
     normalised = float(np.sqrt(reference / base.independent_samples))
     strained = base.departure(base.start()) > STRAINED
+    astray = 0.5 * float(np.sum(base.coarse.residual(base.start()) ** 2))
     scored = scores(workshop, base, proposals, reference, progress)
     chosen = promising(scored, 1, NOISE_PROMISE if normalised < FLOOR and not strained else LEAST_PROMISE)
-    fitted = heats(scouted(workshop, base, chosen, (1.0,), HEATS[0][0]), HEATS, progress)
+    fitted = heats(scouted(workshop, base, chosen, (1.0,), HEATS[0][0], astray), HEATS, progress)
     hides = afresh and (strained or normalised > CONCEALED)
     if hides and not any(_explains(search) for _, search in fitted):
         fitted += _leader_again(workshop, given, _ranked(fitted, deviance), progress)
     if hides and not any(_explains(search) for _, search in fitted):
         rough = promising(scores(workshop, given.coarse, proposals, np.inf, progress), STARTS, LEAST_PROMISE)
-        fitted += heats(scouted(workshop, given, rough, GROWING, HEATS[0][0]), HEATS, progress)
+        fitted += heats(scouted(workshop, given, rough, GROWING, HEATS[0][0], astray), HEATS, progress)
     ranked = _ranked(fitted, deviance)
     if ranked and ranked[0].search.normalised > FLOOR:
-        ranked = _ranked([*fitted, *_polished(workshop, given, ranked, proposals, progress)], deviance)
+        ranked = _ranked([*fitted, *_polished(workshop, given, ranked, proposals, astray, progress)], deviance)
     return ranked, _limits(scored)
 
 
@@ -183,7 +184,12 @@ def best_forms(ranked: Iterable[Rival]) -> list[Rival]:
 
 
 def _polished(
-    workshop: Workshop, given: Misfit, ranked: Sequence[Rival], proposals: Sequence[Proposal], progress: Progress
+    workshop: Workshop,
+    given: Misfit,
+    ranked: Sequence[Rival],
+    proposals: Sequence[Proposal],
+    astray: float,
+    progress: Progress,
 ) -> list[Entrant]:
     """Every form of the leading claims, and of all claims where an unknown force leads to, searched from many starts.
 
@@ -198,7 +204,7 @@ def _polished(
         new = {name: known[name] for name in proposal.parameters if name in known} or dict(proposal.starts[0])
         misfits = scattered(workshop.misfit(given, proposal.model).with_values(new), SCATTERED)
         starts += [(proposal, misfit.values(misfit.start())) for misfit in misfits]
-    return heats(scouted(workshop, given, starts, GROWING, POLISHING[0][0]), POLISHING, progress)
+    return heats(scouted(workshop, given, starts, GROWING, POLISHING[0][0], astray), POLISHING, progress)
 
 
 def _leads(proposal: Proposal, ranked: Sequence[Rival]) -> bool:

@@ -68,6 +68,16 @@ class Layout:
             raise CrashkitError(f"expected a parameter of the model, found {path}")
         return self.places[path]
 
+    def increasing(self) -> list[list[str]]:
+        """The paths of each list of numbers that must increase."""
+        return [
+            [f"joint.{joint}.{spec.name}[{i}]" for i in range(function.lengths()[spec.name])]
+            for joint, functions in zip(self.joints, self.functions, strict=True)
+            for function in functions
+            for spec in function.law.parameters
+            if spec.increasing
+        ]
+
 
 def lay_out(model: Model, laws: Laws) -> Layout:
     """The layout of a model; raises CrashkitError for what cannot be simulated."""

@@ -9,6 +9,7 @@ import xarray as xr
 from attrs import evolve, frozen
 
 from crashkit.mechanics import Engine, Simulator
+from crashkit.misfit.apart import kept_apart
 from crashkit.misfit.channel import Channel, Group, groups_of, reweighted
 from crashkit.misfit.coarse import COARSER, coarse_group, early_group
 from crashkit.misfit.noise import Noise
@@ -72,7 +73,7 @@ class Misfit:
         self.simulator = simulator
         self.groups = tuple(groups)
         self.step = step
-        free = model.free_parameters()
+        free = kept_apart(model, simulator.layout.increasing())
         self.names, self._free = tuple(free), tuple(free.values())
         self._log = np.array([parameter.lower > 0 for parameter in self._free], dtype=bool)
         expected = [self._expected(name, parameter) for name, parameter in free.items()]

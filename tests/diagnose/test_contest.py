@@ -47,15 +47,30 @@ def test_places_that_nobody_else_wants_are_not_lost(monkeypatch, physics):
     assert [cost for _, cost in ahead(entrants, 4, monkeypatch)] == expected
 
 
-def test_a_scout_ends_no_worse_than_one_that_sees_all_the_time_from_the_start(workshop, model, misfit, recorded):
-    """Growing shares of the time lead past thresholds, but now and then astray."""
+@pytest.fixture
+def scouts(workshop, model, misfit, recorded):
+    """What each of some claims leaves where its scout ends."""
     given = misfit(model.with_values({"joint.first.crush_force": 3e4}), run=recorded(model))
     proposals = [p for p in propose_all(workshop.hypotheses, given) if p.physics in ("clearance", "viscous_damping")]
     equipped = workshop.equipped([p.model for p in proposals])
     starts = [(p, dict(p.starts[0])) for p in proposals]
-    both, plain = (scouted(equipped, given, starts, shares, len(starts)) for shares in (GROWING, (1.0,) * len(GROWING)))
-    costs = [{(p.physics, p.form): _coarse_cost(equipped, given, p, s) for p, s in ends} for ends in (both, plain)]
-    assert all(costs[0][claim] <= costs[1][claim] * (1.0 + 1e-9) for claim in costs[1])
+
+    def send(shares, astray):
+        ends = scouted(equipped, given, starts, shares, len(starts), astray)
+        return np.array([_coarse_cost(equipped, given, p, s) for p, s in sorted(ends, key=lambda one: id(one[0]))])
+
+    return send
+
+
+def test_a_scout_that_went_astray_ends_no_worse_than_one_that_sees_all_the_time_from_the_start(scouts):
+    """Growing shares of the time lead past thresholds, but now and then astray."""
+    assert np.all(scouts(GROWING, astray=0.0) <= scouts((1.0, 1.0), astray=0.0) * (1.0 + 1e-9))
+
+
+def test_a_scout_that_found_its_way_does_not_go_another(scouts):
+    grown, both = scouts(GROWING, astray=np.inf), scouts(GROWING, astray=0.0)
+    assert np.all(both <= grown)
+    assert np.any(both < grown)
 
 
 def _coarse_cost(workshop, given, proposal, search):

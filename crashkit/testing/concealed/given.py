@@ -15,7 +15,7 @@ def model_text(scene: Scene, rng: np.random.Generator | None) -> str:
     """The given model as TOML; its free parameters a little off, or with no `rng` as they are."""
     if rng is not None:
         count = len(list(free_parameters(scene)))
-        scene = tuned(scene, np.log(rng.uniform(1.0 - OFF, 1.0 + OFF, count)))
+        scene = _in_order(tuned(scene, np.log(rng.uniform(1.0 - OFF, 1.0 + OFF, count))))
     lines = ['schema = "crashkit-model/1"', 'name = "given"', 'axes = ["x"]', ""]
     lines += ["[[body]]", f'name = "{scene.obstacle}"', "fixed = true", "position = [0.0]", ""]
     for name in scene.bodies:
@@ -33,10 +33,10 @@ def free_parameters(scene: Scene) -> Iterator[tuple[str, str, int | None]]:
     """Joint, name and, in a list, index of every parameter that the model file leaves free."""
     for joint in scene.public:
         for name, value in scene.world.joints[joint].parameters.items():
-            if not isinstance(value, list):
-                yield joint, name, None
-            elif name == "force":
+            if isinstance(value, list):
                 yield from ((joint, name, index) for index in range(len(value)))
+            else:
+                yield joint, name, None
 
 
 def tuned(scene: Scene, logarithms: np.ndarray) -> Scene:
@@ -48,6 +48,15 @@ def tuned(scene: Scene, logarithms: np.ndarray) -> Scene:
             parameters[name] *= factor
         else:
             parameters[name][index] *= factor
+    return scene
+
+
+def _in_order(scene: Scene) -> Scene:
+    """The same scene with corners that nobody would give in another order."""
+    for name in scene.public:
+        parameters = scene.world.joints[name].parameters
+        if "deformation" in parameters:
+            parameters["deformation"] = np.sort(parameters["deformation"]).tolist()
     return scene
 
 

@@ -22,7 +22,7 @@ class PiecewiseAffine(SpringLaw):
     name = "piecewise_affine"
     parameters = (
         ParameterSpec(
-            "deformation", "m", "deformation at the corners, increasing", lower=0.0, free=False, vector=True, increasing=True
+            "deformation", "m", "deformation at the corners, increasing", lower=0.0, vector=True, increasing=True, null=0.0
         ),
         ParameterSpec("force", "N", "force at the corners", vector=True),
         ParameterSpec("final_stiffness", "N m-1", "slope after the last corner", default=0.0),
