@@ -70,7 +70,9 @@ def scouted(
         if workshop.hypotheses[proposal.physics].sensor or len(slices) == 1:
             return _scout(workshop, proposal, values, slices[-1:])
         end = _scout(workshop, proposal, values, slices)
-        return end if end[1] < astray else min(end, _scout(workshop, proposal, values, slices[-1:] * 2), key=lambda one: one[1])
+        if end[1] < astray:
+            return end
+        return min(end, _scout(workshop, proposal, values, slices[-1:] * 2), key=lambda one: one[1])
 
     found = zip(starts, spread(ahead_of, starts), strict=True)
     ahead = sorted(((proposal, *end) for (proposal, _), end in found), key=lambda one: one[2])[:most]

@@ -1,28 +1,45 @@
 """How long a step of the integration may be: its error must be little beside the noise."""
 
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from crashkit.errors import SimulationError
-from crashkit.misfit.problem import Misfit
+
+if TYPE_CHECKING:
+    from crashkit.misfit.problem import Misfit
 
 LITTLE = 0.1
 """Of the standard deviation of a reading; such an error adds a hundredth to chi squared."""
+CRUDE = 0.1
+"""Of what the model leaves, and where that is less, ten times as much of the noise: enough to see where a search goes."""
 HALVINGS = 5
 
 
-def fine_step(misfit: Misfit) -> float:
+def fine_step(misfit: "Misfit") -> float:
     """The longest step, s, with which every channel reads what it reads with half of it, to a tenth of its noise.
 
     Arguments:
         misfit: whose step is halved as often as it takes, but no more than five times; it stays as it is where the model
             cannot be simulated at its own values.
     """
+    return _longest_step(misfit, lambda left: np.full_like(left, LITTLE))
+
+
+def crude_step(misfit: "Misfit") -> float:
+    """The same, to its noise or to a tenth of what the model leaves, whichever is more; none longer than what is read asks."""
+    misfit = misfit.with_step(min(misfit.step, misfit.predictor.longest_gap))
+    return _longest_step(misfit, lambda left: CRUDE * np.maximum(left, 1.0 / CRUDE))
+
+
+def _longest_step(misfit: "Misfit", allowed: Callable[[np.ndarray], np.ndarray]) -> float:
     try:
         before = misfit.residual(misfit.start())
         for _ in range(HALVINGS):
             finer = misfit.with_step(0.5 * misfit.step)
             after = finer.residual(finer.start())
-            if _largest(misfit, before - after) < LITTLE:
+            if np.all(_by_channel(misfit, before - after) < allowed(_by_channel(misfit, after))):
                 break
             misfit, before = finer, after
     except SimulationError:
@@ -30,7 +47,7 @@ def fine_step(misfit: Misfit) -> float:
     return misfit.step
 
 
-def _largest(misfit: Misfit, difference: np.ndarray) -> float:
-    """Root mean square of the worst channel."""
+def _by_channel(misfit: "Misfit", residual: np.ndarray) -> np.ndarray:
+    """Root mean square of each."""
     samples = np.array([channel.samples for channel in misfit.channels])
-    return float(np.sqrt(np.max(misfit.channel_sums(difference) / np.maximum(samples, 1), initial=0.0)))
+    return np.sqrt(misfit.channel_sums(residual) / np.maximum(samples, 1))

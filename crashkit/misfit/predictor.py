@@ -51,6 +51,11 @@ class Predictor:
         margin = _clock_margin(model)
         self._times = {run: _instants([g.times for g in self.groups if g.run == run], margin) for run in recordings}
 
+    @property
+    def longest_gap(self) -> float:
+        """s, the longest time between two instants that something is read at; no step is longer."""
+        return max(float(np.max(np.diff(times), initial=0.0)) for times in self._times.values())
+
     def motion(self, run: str, values: Mapping[str, float], sensitivities: bool = False) -> xr.Dataset:
         """The simulated motion of one run at every instant that one of its instruments reads."""
         wanted = self._structural if sensitivities else ()

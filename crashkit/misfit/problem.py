@@ -12,6 +12,7 @@ from crashkit.mechanics import Engine, Simulator
 from crashkit.misfit.apart import kept_apart
 from crashkit.misfit.channel import Channel, Group, groups_of, reweighted
 from crashkit.misfit.coarse import COARSER, coarse_group, early_group
+from crashkit.misfit.fine_step import crude_step
 from crashkit.misfit.noise import Noise
 from crashkit.misfit.predictor import STEP, Prediction, Predictor
 from crashkit.misfit.rows import Rows, rows_of
@@ -247,11 +248,11 @@ class Misfit:
 
     @cached_property
     def coarse(self) -> "Misfit":
-        """The same at fewer instants and in longer steps of the integration, for first guesses."""
+        """The same at fewer instants and in steps of the integration as long as these bear, for first guesses."""
         copy = object.__new__(Misfit)
         groups = [coarse_group(group) for group in self.groups]
         copy._setup(self.model, self.recordings, groups, self.simulator, COARSER * self.step, self.prior)
-        return copy
+        return copy.with_step(crude_step(copy))
 
     def up_to(self, share: float) -> "Misfit":
         """The same over the first part of the time recorded: what happens early is known before what happens late."""

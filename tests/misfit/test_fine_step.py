@@ -5,6 +5,7 @@ import pytest
 
 from crashkit.errors import SimulationError
 from crashkit.misfit import Misfit, fine_step
+from crashkit.misfit.coarse import COARSER
 from crashkit.misfit.fine_step import LITTLE
 from crashkit.misfit.predictor import STEP
 
@@ -46,6 +47,15 @@ def test_a_fast_model_gets_a_step_whose_error_is_below_the_noise(seldom, factor)
     assert step < STEP
     assert error(misfit, STEP) > LITTLE
     assert error(misfit, step) < LITTLE
+
+
+@pytest.mark.parametrize("factor", [1.0, 3e3, 3e4])
+def test_few_instants_of_densely_sampled_readings_are_simulated_to_their_noise(recorded, model, misfit, factor):
+    """The steps of the integration were short only because the samples were."""
+    fast = stiff(model, factor)
+    coarse = misfit(fast, run=recorded(fast, interval=1e-4, end=0.1)).coarse
+    assert error(coarse, coarse.step) < 1.0
+    assert (error(coarse, COARSER * STEP) > 1.0) == (factor > 1.0)
 
 
 def test_a_model_that_cannot_be_simulated_keeps_its_step(seldom, monkeypatch):
