@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from crashkit.diagnose.contest import GROWING, heats, scouted
+from crashkit.diagnose.contest import GROWING, heats, scores, scouted
 from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.result import UNKNOWN
 from crashkit.protocols import Proposal
@@ -45,6 +45,18 @@ def test_places_that_nobody_else_wants_are_not_lost(monkeypatch, physics):
     entrants = [entrant(physics, cost) for cost in (3.0, 1.0, 2.0)]
     expected = [1.0, 2.0] if physics == UNKNOWN else [1.0, 2.0, 3.0]
     assert [cost for _, cost in ahead(entrants, 4, monkeypatch)] == expected
+
+
+def test_claims_that_are_scored_from_the_given_values_begin_there(workshop, model, misfit, recorded):
+    """They are built on the re-identified model, whose numbers may hide what is missing."""
+    given = misfit(model, run=recorded(model))
+    driven = given.with_values({"joint.first.crush_force": 3e4})
+    proposals = [p for p in propose_all(workshop.hypotheses, driven) if p.physics == "clearance"]
+    equipped = workshop.equipped([p.model for p in proposals])
+    found = scores(equipped, given, proposals, np.inf, lambda doing, share: None)
+    own = {name: value for name, value in given.values(given.start()).items() if "clearance" not in name}
+    assert found
+    assert all({name: one.values[name] for name in own} == pytest.approx(own) for _, one in found)
 
 
 @pytest.fixture

@@ -16,6 +16,7 @@ class PiecewiseAffine(SpringLaw):
 
     A toe t makes x = (d - clearance)^2 / (2 t) up to d - clearance = t, and d - clearance - t / 2 from there on.
     Where the first corner is at deformation 0, its force is reached within 0.1 mm, because a force must be continuous.
+    A plain 0 stays 0, be it a deformation or a force; what is to be sought from 0 is written `{value = 0.0}`.
     With `tension` the first line goes on below x = 0, the unloading line goes on below F_s = 0, and so both pull.
     """
 
@@ -24,7 +25,7 @@ class PiecewiseAffine(SpringLaw):
         ParameterSpec(
             "deformation", "m", "deformation at the corners, increasing", lower=0.0, vector=True, increasing=True, null=0.0
         ),
-        ParameterSpec("force", "N", "force at the corners", vector=True),
+        ParameterSpec("force", "N", "force at the corners", vector=True, null=0.0),
         ParameterSpec("final_stiffness", "N m-1", "slope after the last corner", default=0.0),
         UNLOADING_STIFFNESS,
         RATE_COEFFICIENT,
