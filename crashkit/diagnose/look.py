@@ -111,4 +111,5 @@ def settled(workshop: Workshop, given: Misfit, look: Round, winner: Rival, progr
 
 
 def is_unknown(rival: Rival) -> bool:
+    """Whether it claims a force that no list has."""
     return rival.proposal.physics == UNKNOWN

@@ -20,7 +20,7 @@ from crashkit.diagnose.contest import (
 from crashkit.diagnose.reidentify import reidentify, scattered
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.score import Score
-from crashkit.diagnose.search import Search
+from crashkit.diagnose.search import Search, begin
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Hypothesis, Proposal
@@ -119,7 +119,7 @@ def fit_rivals(
     reference, deviance = float(residual @ residual), base.deviance(residual)
     normalised = float(np.sqrt(reference / base.independent_samples))
     strained = base.departure(base.start()) > STRAINED
-    astray = 0.5 * float(np.sum(base.coarse.residual(base.start()) ** 2))
+    astray = begin(workshop.identifier, base.coarse).state.cost
     scored = scores(workshop, base, proposals, reference, progress)
     chosen = promising(scored, 1, NOISE_PROMISE if normalised < FLOOR and not strained else LEAST_PROMISE)
     fitted = heats(scouted(workshop, base, chosen, (1.0,), HEATS[0][0], astray), HEATS, progress)
