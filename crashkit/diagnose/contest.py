@@ -35,7 +35,7 @@ def scores(
     """Of every proposal from each of its starts, the model's own parameters at their values in `origin`."""
 
     def scored(proposal: Proposal) -> list[Score | None]:
-        misfit = beginning_at(workshop, origin, proposal)
+        misfit = workshop.misfit(origin, proposal.model).with_values_of(origin)
         return [score(proposal, dict(start), misfit, reference) for start in proposal.starts]
 
     def told(done: int) -> None:
@@ -43,12 +43,6 @@ def scores(
 
     found = zip(proposals, spread(scored, proposals, told), strict=True)
     return [(proposal, one) for proposal, each in found for one in each if one is not None]
-
-
-def beginning_at(workshop: Workshop, origin: Misfit, proposal: Proposal) -> Misfit:
-    """The misfit of a proposal's model with the model's own numbers where they stand in `origin`."""
-    misfit = workshop.misfit(origin, proposal.model)
-    return misfit.with_values({name: value for name, value in origin.values(origin.start()).items() if name in misfit.names})
 
 
 def promising(scored: Sequence[tuple[Proposal, Score]], most: int, least: float) -> list[Start]:

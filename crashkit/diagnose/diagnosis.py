@@ -75,7 +75,7 @@ def _explained(
     given = given.with_step(equipped.step)
     base = reidentify(equipped.identifier, equipped.finder, given)
     base = _sharpened(equipped, model, recordings, base)
-    discovery = discover(equipped, base.misfit.with_values(given.values(given.start())), base, progress)
+    discovery = discover(equipped, base.misfit.with_values_of(given), base, progress)
     progress("refining", 0.0)
     return equipped, _refined(equipped, discovery, model, recordings)
 

@@ -68,7 +68,7 @@ def look_again(
     proposals = [p for p in everything if identity(p) not in known and _is_given(given.model, p.location)]
     equipped = workshop.equipped([p.model for p in proposals])
     afresh = not found or concerns is not None
-    ranked, limits = fit_rivals(equipped, current, _as_given(current, given), proposals, afresh, progress)
+    ranked, limits = fit_rivals(equipped, current, current.with_values_of(given), proposals, afresh, progress)
     best = best_forms(ranked)
     chances, nothing = probabilities(best, len({identity(p) for p in proposals}))
     return Round(tuple(best), tuple(chances.tolist()), nothing, current, _least_drop(found), tuple(limits))
@@ -81,12 +81,6 @@ def _least_drop(found: Sequence[Rival]) -> float:
         if found
         else LEAST_DROP
     )
-
-
-def _as_given(current: Misfit, given: Misfit) -> Misfit:
-    """The current model with its first parameters back at the values that the user gave."""
-    known = {name: parameter.value for name, parameter in given.model.free_parameters().items()}
-    return current.with_values({name: value for name, value in known.items() if name in current.names})
 
 
 def _is_given(model: Model, location: Mapping[str, object]) -> bool:

@@ -5,18 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 from attrs import frozen
 
-from crashkit.diagnose.contest import (
-    GROWING,
-    Entrant,
-    Progress,
-    Start,
-    beginning_at,
-    heats,
-    identity,
-    promising,
-    scores,
-    scouted,
-)
+from crashkit.diagnose.contest import GROWING, Entrant, Progress, Start, heats, identity, promising, scores, scouted
 from crashkit.diagnose.reidentify import reidentify, scattered
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.score import Score
@@ -147,8 +136,7 @@ def again(workshop: Workshop, given: Misfit, rival: Rival, progress: Progress) -
     Its fit began where the model without it had been driven, and may have stayed in that valley.
     """
     progress(f"re-identifying with {rival.proposal.physics}", 0.0)
-    own = {name: value for name, value in given.values(given.start()).items() if name in rival.search.misfit.names}
-    return reidentify(workshop.identifier, workshop.finder, rival.search.fitted().with_values(own))
+    return reidentify(workshop.identifier, workshop.finder, rival.search.fitted().with_values_of(given))
 
 
 def _explains(search: Search) -> bool:
@@ -213,7 +201,7 @@ def _polished(
         found = next((r.search for r in ranked if r.proposal is proposal), None)
         known = found.misfit.values(found.point) if found else {}
         new = {name: known[name] for name in proposal.parameters if name in known} or dict(proposal.starts[0])
-        misfits = scattered(beginning_at(workshop, given, proposal).with_values(new), SCATTERED)
+        misfits = scattered(workshop.misfit(given, proposal.model).with_values_of(given).with_values(new), SCATTERED)
         starts += [(proposal, misfit.values(misfit.start())) for misfit in misfits]
     return heats(scouted(workshop, given, starts, GROWING, POLISHING[0][0], astray), POLISHING, progress)
 

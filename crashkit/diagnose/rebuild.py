@@ -13,9 +13,7 @@ STEPS = 60
 
 def without_winner(search: Search, winner: Rival) -> Search:
     """The model without the winner from where that has moved its numbers: it may have won by leaving a local optimum."""
-    found = winner.search.misfit.values(winner.search.point)
-    own = {name: found[name] for name in search.misfit.names if name in found}
-    return begin(search.identifier, search.misfit.with_values(own)).advance(STEPS)
+    return begin(search.identifier, search.misfit.with_values_of(winner.search.fitted())).advance(STEPS)
 
 
 def rebuild(workshop: Workshop, base_search: Search, rivals: Sequence[Rival], last: Search) -> Search | None:

@@ -66,8 +66,7 @@ def _beside(
     search = rebuild(workshop, base_search, [look.rivals[0] for look in rounds], structure.search)
     if search is None:
         return None
-    seen = structure.search.misfit.values(structure.search.point)
-    unbent = given.with_values({name: seen[name] for name in given.names if name in seen})
+    unbent = given.with_values_of(structure.search.fitted())
     for suspect in set_aside:
         found = [look.rivals[0] for look in rounds]
         look = look_again(workshop, unbent, search.fitted(), found, progress, suspect.concerns)

@@ -14,7 +14,8 @@ def kept_apart(model: Model, lists: Sequence[Sequence[str]]) -> dict[str, Parame
         lists: paths of the numbers of each list.
     """
     free, known = model.free_parameters(), model.parameters()
-    narrow = (one for paths in lists for one in _narrowed({path: known[path] for path in paths}))
+    moving = [paths for paths in lists if not free.keys().isdisjoint(paths)]
+    narrow = (one for paths in moving for one in _narrowed({path: known[path] for path in paths}))
     return free | {path: parameter for path, parameter in narrow if path in free}
 
 

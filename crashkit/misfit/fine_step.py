@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 LITTLE = 0.1
 """Of the standard deviation of a reading; such an error adds a hundredth to chi squared."""
 CRUDE = 0.1
-"""Of what the model leaves, and where that is less, ten times as much of the noise: enough to see where a search goes."""
+"""Of what the model leaves: a search still sees where it goes. Less than the noise is not asked for."""
 HALVINGS = 5
 
 
@@ -30,7 +30,7 @@ def fine_step(misfit: "Misfit") -> float:
 def crude_step(misfit: "Misfit") -> float:
     """The same, to its noise or to a tenth of what the model leaves, whichever is more; none longer than what is read asks."""
     misfit = misfit.with_step(min(misfit.step, misfit.predictor.longest_gap))
-    return _longest_step(misfit, lambda left: CRUDE * np.maximum(left, 1.0 / CRUDE))
+    return _longest_step(misfit, lambda left: np.maximum(CRUDE * left, 1.0))
 
 
 def _longest_step(misfit: "Misfit", allowed: Callable[[np.ndarray], np.ndarray]) -> float:

@@ -225,6 +225,11 @@ class Misfit:
         changes = {path: evolve(model.parameters()[path], fixed=not is_free) for path, is_free in (free or {}).items()}
         return self._with(model.with_parameters(changes), list(self.groups))
 
+    def with_values_of(self, other: "Misfit") -> "Misfit":
+        """The same misfit with the numbers that its model shares with another's where they stand in that."""
+        known = other.values(other.start())
+        return self.with_values({name: known[name] for name in self.names if name in known})
+
     def with_prior(self, std: float) -> "Misfit":
         """The same misfit when its model's values are known to about `std`, relative to each; of zeros nothing is known."""
         centres = {n: p.value for n, p in zip(self.names, self._free, strict=True) if p.value and math.isinf(p.size)}

@@ -52,7 +52,7 @@ def tuned(scene: Scene, logarithms: np.ndarray) -> Scene:
 
 
 def _in_order(scene: Scene) -> Scene:
-    """The same scene with corners that nobody would give in another order."""
+    """The same scene with its corners sorted: near ones may have changed places, which no file allows."""
     for name in scene.public:
         parameters = scene.world.joints[name].parameters
         if "deformation" in parameters:
