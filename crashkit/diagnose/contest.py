@@ -8,7 +8,7 @@ from functools import partial
 from crashkit.campaign import spread
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.score import Score, score
-from crashkit.diagnose.search import Search, advance_all, begin, begin_all
+from crashkit.diagnose.search import Search, advance_all, begin, begin_all, weighed
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
@@ -104,7 +104,7 @@ def _first_of_each(ranked: Sequence[tuple[Proposal, Score]], most: int) -> list[
 
 
 def heats(entrants: Sequence[Entrant], sizes: Sequence[tuple[int, int]], progress: Progress) -> list[Entrant]:
-    """Successive halving: a few steps for all, then many steps for the few that are ahead.
+    """Successive halving: a few steps for all, then many steps for the few that are ahead, weighed by what each leaves.
 
     Arguments:
         sizes: how many enter each heat, and how many steps each gets there.
@@ -114,7 +114,7 @@ def heats(entrants: Sequence[Entrant], sizes: Sequence[tuple[int, int]], progres
         proposals = [proposal for proposal, _ in ahead]
         told = partial(_told, progress, proposals)
         entrants = list(zip(proposals, advance_all([search for _, search in ahead], steps, told), strict=True))
-    return list(entrants)
+    return list(zip((proposal for proposal, _ in entrants), weighed([search for _, search in entrants]), strict=True))
 
 
 def _ahead(entrants: Sequence[Entrant], size: int) -> list[Entrant]:

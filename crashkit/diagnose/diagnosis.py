@@ -15,10 +15,10 @@ from crashkit.diagnose.foretold import foretold
 from crashkit.diagnose.look import Round
 from crashkit.diagnose.name import FLOOR
 from crashkit.diagnose.needed import needed, price, run_drops
-from crashkit.diagnose.reidentify import STEPS, refine, reidentify
+from crashkit.diagnose.reidentify import refine, reidentify
 from crashkit.diagnose.result import UNKNOWN, Alternative, Diagnosis, Finding, Fit, place_of
 from crashkit.diagnose.rounds import Discovery, discover
-from crashkit.diagnose.search import Search, begin
+from crashkit.diagnose.search import STEPS, Search, begin
 from crashkit.diagnose.show import action_of, identified_table, limits_table, missing_force_tree, ranking_table, units_of
 from crashkit.diagnose.thinning import thinned_by
 from crashkit.diagnose.words import noted, nothing_predicted, summarise

@@ -113,9 +113,9 @@ def fit_rivals(
     chosen = promising(scored, 1, NOISE_PROMISE if normalised < FLOOR and not strained else LEAST_PROMISE)
     fitted = heats(scouted(workshop, base, chosen, (1.0,), HEATS[0][0], astray), HEATS, progress)
     hides = afresh and (strained or normalised > CONCEALED)
-    if hides and not any(_explains(search) for _, search in fitted):
+    if hides and not any(explains(search) for _, search in fitted):
         fitted += _leader_again(workshop, given, _ranked(fitted, deviance), progress)
-    if hides and not any(_explains(search) for _, search in fitted):
+    if hides and not any(explains(search) for _, search in fitted):
         rough = promising(scores(workshop, given.coarse, proposals, np.inf, progress), STARTS, LEAST_PROMISE)
         fitted += heats(scouted(workshop, given, rough, GROWING, HEATS[0][0], astray), HEATS, progress)
     ranked = _ranked(fitted, deviance)
@@ -139,7 +139,7 @@ def again(workshop: Workshop, given: Misfit, rival: Rival, progress: Progress) -
     return reidentify(workshop.identifier, workshop.finder, rival.search.fitted().with_values_of(given))
 
 
-def _explains(search: Search) -> bool:
+def explains(search: Search) -> bool:
     """Whether nothing is left that another claim could explain better, and no number had to be strained for it."""
     chance = 1.0 / np.sqrt(2.0 * search.misfit.independent_samples)
     told = all(channel.noise.trusted for channel in search.misfit.channels)

@@ -43,7 +43,12 @@ def price(proposal: Proposal, misfit: Misfit) -> float:
 
 
 def run_drops(before: Misfit, after: Misfit) -> dict[str, float]:
-    """By how much chi squared drops in each run."""
-    sums = [misfit.channel_sums(misfit.residual(misfit.start())) for misfit in (before, after)]
+    """By how much chi squared drops in each run, weighed as before."""
+    alike = [misfit.channel_sums(misfit.residual(misfit.start())) * _levels(misfit) ** 2 for misfit in (before, after)]
+    drops = (alike[0] - alike[1]) / _levels(before) ** 2
     runs = [channel.run for channel in before.channels]
-    return {run: float(np.sum((sums[0] - sums[1])[[r == run for r in runs]])) for run in before.recordings}
+    return {run: float(np.sum(drops[[r == run for r in runs]])) for run in before.recordings}
+
+
+def _levels(misfit: Misfit) -> np.ndarray:
+    return np.array([channel.noise.std for channel in misfit.channels])

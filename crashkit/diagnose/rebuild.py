@@ -4,11 +4,9 @@ from collections.abc import Sequence
 
 from crashkit.diagnose.contest import identity
 from crashkit.diagnose.name import Rival, propose_all
-from crashkit.diagnose.search import Search, begin
+from crashkit.diagnose.search import STEPS, Search, begin
 from crashkit.diagnose.workshop import Workshop
 from crashkit.protocols import Proposal
-
-STEPS = 60
 
 
 def without_winner(search: Search, winner: Rival) -> Search:

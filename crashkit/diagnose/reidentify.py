@@ -6,14 +6,12 @@ from typing import Any
 import numpy as np
 
 from crashkit.campaign import spread
-from crashkit.diagnose.search import Search, advance_all, begin, begin_all
+from crashkit.diagnose.search import STEPS, Search, advance_all, begin, begin_all, weighed
 from crashkit.misfit import Misfit
 from crashkit.protocols import Identifier, Status
 
-STEPS = 60
 FINDING = 400
 """Steps of the search that looks everywhere."""
-REWEIGHTINGS = 3
 SCATTER = 0.07
 """Relative scatter of the starts about the given values."""
 HEATS = ((10, 6), (4, 10), (2, STEPS))
@@ -26,8 +24,6 @@ def reidentify(identifier: Identifier[Any], finder: Identifier[Any], misfit: Mis
     """The best fit of the model as it is; what then remains, no tuning of its parameters removes.
 
     A wrong model has many local optima where thresholds are crossed, so two searches look everywhere.
-    Channels whose noise level is open are weighed by what the model leaves of them, which the fit itself changes: a few
-    rounds settle that.
 
     Arguments:
         identifier: of every fit in a diagnosis.
@@ -35,12 +31,7 @@ def reidentify(identifier: Identifier[Any], finder: Identifier[Any], misfit: Mis
     """
     ends = spread(lambda look: look(misfit), [partial(_found, finder), partial(_best_of_many, identifier)])
     searches = [begin(identifier, misfit.with_values(misfit.values(end))).advance(STEPS) for end in ends]
-    search = min(searches, key=lambda search: search.state.cost)
-    if all(channel.noise.trusted for channel in misfit.channels):
-        return search
-    for _ in range(REWEIGHTINGS):
-        search = begin(identifier, search.fitted().reweighted(search.point)).advance(STEPS)
-    return search
+    return weighed([min(searches, key=lambda search: search.state.cost)])[0]
 
 
 def _found(finder: Identifier[Any], misfit: Misfit) -> np.ndarray:

@@ -6,6 +6,7 @@ from attrs import field, frozen
 
 from crashkit.diagnose.aside import Suspect, suspects, without
 from crashkit.diagnose.contest import Progress
+from crashkit.diagnose.forms import in_best_forms
 from crashkit.diagnose.look import Round, is_unknown, look_again, settled
 from crashkit.diagnose.name import FLOOR, Rival
 from crashkit.diagnose.pairs import named_before_unknown
@@ -91,6 +92,7 @@ def _discovered(workshop: Workshop, given: Misfit, base_search: Search, progress
         look = look_again(workshop, given, search.fitted(), [r.rivals[0] for r in rounds], progress)
     if len(rounds) > 1:
         rounds, search = _reconsider(workshop, given, base_search, rounds, progress)
+    rounds, search = in_best_forms(workshop, base_search, rounds, search, progress)
     last = look if look.winner is None else None
     return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds), last)
 

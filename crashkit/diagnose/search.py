@@ -12,6 +12,9 @@ from crashkit.errors import SimulationError
 from crashkit.misfit import Misfit
 from crashkit.protocols import Identification, Identifier, Status
 
+STEPS = 60
+"""Within which most fits settle."""
+REWEIGHTINGS = 3
 LEAST_DROP = 0.02
 """Half a chi squared that a further step must gain: a hundredth of what one parameter gains by chance is not worth a step."""
 
@@ -97,3 +100,13 @@ def advance_all(searches: Sequence[Search], steps: int, told: Callable[[int], No
 
     stood = spread(standing, searches, told)
     return [evolve(search, state=state, settled=settled) for search, (state, settled) in zip(searches, stood, strict=True)]
+
+
+def weighed(searches: Sequence[Search]) -> list[Search]:
+    """Each fit with open noise levels at what it leaves of those channels: a few rounds, as either changes the other."""
+    if all(channel.noise.trusted for search in searches for channel in search.misfit.channels):
+        return list(searches)
+    for _ in range(REWEIGHTINGS):
+        again = [search.fitted().reweighted(search.point) for search in searches]
+        searches = advance_all(begin_all(searches[0].identifier, again), STEPS)
+    return list(searches)

@@ -191,7 +191,8 @@ class Misfit:
         """Minus twice the log likelihood, up to a constant.
 
         A channel with a trusted noise level counts its sum of squares; one whose level is only estimated counts
-        `n log(sum / n)`, the likelihood with the level left open. What is known of parameters beforehand counts as it is.
+        `n log(std^2 sum / n)`, the likelihood with the level left open, whatever its weight. What is known of parameters
+        beforehand counts as it is.
         """
         known = float(np.sum(residual[len(residual) - self._known.size :] ** 2))
         sums = zip(self.channels, self.channel_sums(residual), strict=True)
@@ -290,7 +291,7 @@ def _deviance(channel: Channel, total: float) -> float:
     if channel.noise.trusted:
         return total
     count, noise = channel.independent_samples, channel.noise
-    return count * float(np.log(max(total / count, (noise.least / noise.std) ** 2))) if count else 0.0
+    return count * float(np.log(max(noise.std**2 * total / count, noise.least**2))) if count else 0.0
 
 
 def _levelled(channel: Channel, levels: Mapping[tuple[str, str, str], Noise]) -> Channel:

@@ -13,7 +13,7 @@ from crashkit.protocols import Proposal
 
 def entrant(physics, cost, numbers=()):
     """A claim whose search of a thousand samples stands still."""
-    misfit = SimpleNamespace(independent_samples=1000.0)
+    misfit = SimpleNamespace(independent_samples=1000.0, channels=())
     search = SimpleNamespace(state=SimpleNamespace(cost=cost), misfit=misfit, settled=True, advance=lambda steps: search)
     return Proposal(physics, "", {"joint": "front"}, None, numbers, {}), search
 

@@ -22,7 +22,7 @@ LIGHT = (0.3, 0.5, 0.8)
 """Masses to start from, relative to the momentum's."""
 NEAR = (1.0, 0.8)
 """Gaps to start from: a soft first contact hides in the model's own forces."""
-MOUNT_PERIODS = (0.3, 0.14)
+MOUNT_PERIODS = (0.3, 0.14, 0.07)
 """s, of the load on its mount."""
 FAR = Parameter(1e3, fixed=True)
 

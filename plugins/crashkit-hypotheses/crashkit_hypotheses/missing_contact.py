@@ -17,12 +17,15 @@ STIFFENING = (0.05, 0.4, 0.7)
 """The same of a contact that stiffens: it may begin early and still be felt late."""
 CRUSHED, LENGTHS = (0.3, 0.6, 0.85), (0.05, 0.5)
 """The same of one that is crushed, and the way over which its force rises."""
+LOSS = 0.2
+"""s/m, of one that takes up energy as it is struck, to start from."""
 RELEASE = 5.0
 """Its slope on the way back, relative to that on the way in, to start from."""
 
 
 class MissingContact(Hypothesis):
-    """A joint between two bodies that have none: F = k x with x = max(0, d - gap), or c x^2, or one that stays crushed."""
+    """A joint between two bodies that have none: F = k x with x = max(0, d - gap), c x^2, P x^n (1 + c ddot), or one that
+    stays crushed."""
 
     physics: ClassVar[str] = "missing_contact"
     sentence: ClassVar[str] = "{place} touch, which the model does not know"
@@ -44,9 +47,16 @@ class MissingContact(Hypothesis):
             "crush_length": Parameter(0.5 * reached, 1e-3 * reached, 10.0 * reached),
             "release": Parameter(RELEASE, 1.0, 1e3),
         }
+        damped = {
+            "force": Parameter(0.0, 0.0, 1e9),
+            "exponent": Parameter(1.5, 1.0, 4.0),
+            "loss": Parameter(LOSS, 0.0, 10.0),
+            "way": Parameter(0.1 * reached, fixed=True),
+        }
         forms: list[tuple[str, str, dict[str, Parameter], dict[str, tuple[float, ...]]]] = [
             ("line", "linear_stop", line, {"stop_deformation": LINE}),
             ("parabola", "quadratic_stop", parabola, {"stop_deformation": STIFFENING}),
+            ("damped", "hunt_crossley", damped, {"stop_deformation": STIFFENING}),
             ("crushed", "crush_stop", crushed, {"stop_deformation": CRUSHED, "crush_length": LENGTHS}),
         ]
         return [self._contact(model, pair, reached, *form) for form in forms]

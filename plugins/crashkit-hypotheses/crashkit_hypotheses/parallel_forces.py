@@ -31,7 +31,7 @@ PHASES = (0.0, -1 / 3, 1 / 3)
 
 
 class ViscousDamping(Hypothesis):
-    """F = F_law + c ddot while the joint is compressed, or F_law + c ddot |ddot|^(n - 1) then, or at all times."""
+    """F = F_law + c ddot, F_law + c ddot |ddot|^(n - 1), or another c on the way back; while compressed or at all times."""
 
     physics: ClassVar[str] = "viscous_damping"
     sentence: ClassVar[str] = "{place} is damped: part of its force opposes the deformation rate and grows with it"
@@ -42,13 +42,16 @@ class ViscousDamping(Hypothesis):
 
     def _forms(self, model: Model, joint: Joint) -> list[Proposal]:
         damping = {"damping": Parameter(0.0, 0.0, 1e7)}
+        always = {"tension": Parameter(1.0, fixed=True)}
         power = {**damping, "exponent": Parameter(0.7, 0.2, 3.0)}
-        always = {**power, "tension": Parameter(1.0, fixed=True)}
-        starts = grid(exponent=(0.6, 2.0))
+        two_way = {**damping, "exponent": Parameter(1.0, fixed=True), "rebound": Parameter(1.0, 0.0, 10.0)}
+        powers, rebounds = grid(exponent=(0.6, 2.0)), grid(rebound=(0.4, 2.5))
         return [
             parallel(model, joint, self.physics, "linear", "viscous", damping, "damping"),
-            parallel(model, joint, self.physics, "power", "viscous_power", power, "damping", starts),
-            parallel(model, joint, self.physics, "power, always", "viscous_power", always, "damping", starts),
+            parallel(model, joint, self.physics, "power", "viscous_power", power, "damping", powers),
+            parallel(model, joint, self.physics, "power, always", "viscous_power", power | always, "damping", powers),
+            parallel(model, joint, self.physics, "two-way", "viscous_power", two_way, "damping", rebounds),
+            parallel(model, joint, self.physics, "two-way, always", "viscous_power", two_way | always, "damping", rebounds),
         ]
 
 
@@ -118,7 +121,7 @@ class PeakLoad(Hypothesis):
 
 
 class ProgressiveFolding(Hypothesis):
-    """F = F_law + a force that oscillates with deformation: a sine, or skewed and arched folds that get shorter and lower."""
+    """F = F_law + a force that oscillates with deformation: a sine, or folds of any shape, that get shorter, longer, lower."""
 
     physics: ClassVar[str] = "progressive_folding"
     sentence: ClassVar[str] = "the force of {place} oscillates with deformation: it folds progressively"
@@ -139,7 +142,7 @@ class ProgressiveFolding(Hypothesis):
             "fold_length": Parameter(0.2 * reached, 0.02 * reached, LONGEST_SHAPED * reached),
             "skew": Parameter(0.0, -0.95, 0.95),
             "arch": Parameter(0.1, 0.0, 0.95),
-            "shortening": Parameter(0.01, 0.0, 0.5),
+            "shortening": Parameter(0.0, -0.3, 0.5),
             "weakening": Parameter(0.01, 0.0, 3.0),
         }
         begin = min(plateau, LATEST * reached)

@@ -7,14 +7,15 @@ import xarray as xr
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import changed, grid, largest_deformation, largest_extension, parallel
+from crashkit.registry import load
+from crashkit_hypotheses.build import changed, grid, largest_deformation, largest_extension, largest_force, parallel
 
 STRETCHED = 1e-4
 """m."""
 
 
 class Tension(Hypothesis):
-    """The joint's own lines go on below F = 0, or F = F_law + k min(0, d + slack)."""
+    """The joint's own lines go on below F = 0, without end or to a limit, or F = F_law + k min(0, d + slack)."""
 
     physics: ClassVar[str] = "tension"
     sentence: ClassVar[str] = "{place} also pulls"
@@ -27,9 +28,18 @@ class Tension(Hypothesis):
             if _only_pushes(joint) and max(stretch, largest_deformation(motion, joint.name)) > 0.0:
                 pull = {"tension": Parameter(0.0, 0.0, 1.0)}
                 proposals.append(changed(model, joint, self.physics, "own line", pull, "tension"))
+                proposals += self._limited(model, joint, largest_force(motion, joint.name))
             if stretch > STRETCHED:
                 proposals.append(self._strap(model, joint, stretch))
         return proposals
+
+    def _limited(self, model: Model, joint: Joint, largest: float) -> list[Proposal]:
+        law = load().spring_laws.get(joint.law)
+        if law is None or not any(spec.name == "tension_force" for spec in law.parameters):
+            return []
+        pull = {"tension": Parameter(1.0, fixed=True), "tension_force": Parameter(0.0, 0.0, largest)}
+        starts = grid(tension_force=(0.0, 0.1 * largest, 0.4 * largest))
+        return [changed(model, joint, self.physics, "own line, to a limit", pull, "tension_force", starts)]
 
     def _strap(self, model: Model, joint: Joint, stretch: float) -> Proposal:
         strap = {"stiffness": Parameter(0.0, 0.0, 1e9), "slack": Parameter(0.0, 0.0, stretch)}

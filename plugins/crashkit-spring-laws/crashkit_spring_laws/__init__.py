@@ -11,7 +11,7 @@ from crashkit_spring_laws.measured_curve import MeasuredCurve
 from crashkit_spring_laws.piecewise_affine import PiecewiseAffine
 from crashkit_spring_laws.rate_factors import RateLinear, RateLogarithm, RatePower
 from crashkit_spring_laws.relaxation import Maxwell, QuasiLinear
-from crashkit_spring_laws.stops import CrushStop, LinearStop, LockingStop, QuadraticStop, TensionSpring
+from crashkit_spring_laws.stops import CrushStop, HuntCrossley, LinearStop, LockingStop, QuadraticStop, TensionSpring
 from crashkit_spring_laws.tables import RateCurve, RateTable, SmoothTable, TimeTable
 from crashkit_spring_laws.tie import Tie
 
@@ -34,6 +34,7 @@ SPRING_LAWS = (
     QuadraticStop,
     LockingStop,
     CrushStop,
+    HuntCrossley,
     TensionSpring,
     Peak,
     Folding,
@@ -61,6 +62,7 @@ __all__ = [
     "Fading",
     "Folding",
     "Fracture",
+    "HuntCrossley",
     "LinearStop",
     "LockingStop",
     "Maxwell",

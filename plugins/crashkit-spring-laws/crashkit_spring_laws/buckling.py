@@ -32,8 +32,10 @@ class Peak(SpringLaw):
 class Folding(SpringLaw):
     """Folds that form one after another: A exp(-weakening t) sin(w + skew sin w + arch (cos w - 1)), 0 before the onset.
 
-    w = 2 pi t (1 + shortening t) with t = max(0, d_max - onset) / fold_length. It depends on the largest deformation, and is
-    released to 0 along a slope that no fold exceeds, A exp(-weakening t) ((1 + |skew| + arch) dw + weakening dt) / dd_max.
+    With t = max(0, d_max - onset) / fold_length, w = 2 pi t (1 + shortening t). Folds that get longer, g = -2 shortening > 0,
+    have w = 2 pi ln(1 + g t) / g, and a height lower by 1 + g t, so that each takes up as much. It depends on the largest
+    deformation, and is released to 0 along a slope that no fold exceeds, A exp(-weakening t) ((1 + |skew| + arch) dw +
+    (weakening + g) dt) / dd_max.
     """
 
     name = "folding"
@@ -45,7 +47,9 @@ class Folding(SpringLaw):
         ParameterSpec(
             "arch", "1", "of a fold: above 0 its crests are wide, its troughs narrow", 0.0, 0.95, default=0.0, null=0.0
         ),
-        ParameterSpec("shortening", "1", "of the folds: the share by which each is shorter", 0.0, 0.5, default=0.0, null=0.0),
+        ParameterSpec(
+            "shortening", "1", "of the folds: by which each is shorter, below 0 longer", -0.5, 0.5, default=0.0, null=0.0
+        ),
         ParameterSpec(
             "weakening", "1", "of the folds: by which each is lower, as a logarithm", 0.0, 3.0, default=0.0, null=0.0
         ),
@@ -66,8 +70,14 @@ class Folding(SpringLaw):
     ) -> float:
         """The force, N, compression positive."""
         turns = max(0.0, d_max - onset) / fold_length
-        phase = 2.0 * math.pi * turns * (1.0 + shortening * turns)
+        longer = max(0.0, -2.0 * shortening)
+        if longer > 0.0:
+            folds = math.log(1.0 + longer * turns) / longer
+        else:
+            folds = turns * (1.0 + shortening * turns)
+        phase = 2.0 * math.pi * folds
         crest = math.sin(phase + skew * math.sin(phase) + arch * (math.cos(phase) - 1.0))
-        steepest = (1.0 + max(skew, -skew) + arch) * (1.0 + 2.0 * shortening * turns)
-        release = (2.0 * math.pi * steepest + weakening) / fold_length * (d_max - d)
-        return amplitude * math.exp(-weakening * turns) * (max(0.0, crest - release) + min(0.0, crest + release))
+        steepest = (1.0 + max(skew, -skew) + arch) * (1.0 + 2.0 * max(0.0, shortening) * turns)
+        release = (2.0 * math.pi * steepest + weakening + longer) / fold_length * (d_max - d)
+        height = amplitude * math.exp(-weakening * turns) / (1.0 + longer * turns)
+        return height * (max(0.0, crest - release) + min(0.0, crest + release))

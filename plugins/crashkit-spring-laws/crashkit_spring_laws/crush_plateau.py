@@ -1,7 +1,7 @@
 """A member that buckles: elastic, plateau, densification."""
 
 from crashkit.protocols import ParameterSpec, SpringLaw
-from crashkit_spring_laws.shared import CLEARANCE, RATE_COEFFICIENT, TENSION, TOE, UNLOADING_STIFFNESS
+from crashkit_spring_laws.shared import CLEARANCE, RATE_COEFFICIENT, TENSION, TENSION_FORCE, TOE, UNLOADING_STIFFNESS
 
 
 class CrushPlateau(SpringLaw):
@@ -9,7 +9,8 @@ class CrushPlateau(SpringLaw):
 
     With x = d - clearance, F_load = alpha x up to delta; delta up to x = max(gamma, delta / alpha); then + beta (x - that).
     F_s = F_load(d_max) - k (d_max - d); without unloading stiffness k, F_s = F_load(d).
-    F = F_s max(0, 1 + a ddot) where F_s pushes, and F = tension F_s max(0, 1 - a ddot) where it pulls.
+    F = F_s max(0, 1 + a ddot) where F_s pushes, and F = tension F_s max(0, 1 - a ddot) where it pulls,
+    at most `tension_force`.
 
     A toe t makes x = (d - clearance)^2 / (2 t) up to d - clearance = t, and d - clearance - t / 2 from there on.
 
@@ -28,6 +29,7 @@ class CrushPlateau(SpringLaw):
         RATE_COEFFICIENT,
         CLEARANCE,
         TENSION,
+        TENSION_FORCE,
         TOE,
     )
 
@@ -44,6 +46,7 @@ class CrushPlateau(SpringLaw):
         rate_coefficient: float,
         clearance: float,
         tension: float,
+        tension_force: float,
         toe: float,
     ) -> float:
         """The force, N, compression positive."""
@@ -65,4 +68,4 @@ class CrushPlateau(SpringLaw):
         static = static + added - unloading_stiffness * (turn - d)
         if static >= 0.0:
             return static * max(0.0, 1.0 + rate_coefficient * ddot)
-        return tension * static * max(0.0, 1.0 - rate_coefficient * ddot)
+        return max(-tension_force, tension * static * max(0.0, 1.0 - rate_coefficient * ddot))

@@ -24,7 +24,8 @@ class ViscousPower(SpringLaw):
     """A damper of any exponent: F = c ddot (ddot^2 + v^2)^((n - 1) / 2) max(tension, min(1, max(0, d) / engagement)).
 
     Rates are in m/s. n = 1 is a dashpot, n = 2 an orifice, n below 1 a relief valve or a seal; v = 0.01 m/s keeps the slope
-    finite at rest. With `tension` 1 it is fixed at both ends and acts also where the joint is not compressed.
+    finite at rest. With `tension` 1 it is fixed at both ends and acts also where the joint is not compressed. On the way back
+    (ddot < 0) the force is `rebound` times as much, as in a shock absorber whose valves differ.
     """
 
     name = "viscous_power"
@@ -33,12 +34,24 @@ class ViscousPower(SpringLaw):
         ParameterSpec("exponent", "1", "of the rate (n)", lower=0.1, upper=3.0),
         TENSION,
         ENGAGEMENT,
+        ParameterSpec(
+            "rebound", "1", "damping on the way back, relative to that while closing", 0.0, 10.0, default=1.0, null=1.0
+        ),
     )
 
     @staticmethod
     def force(
-        d: float, ddot: float, d_max: float, damping: float, exponent: float, tension: float, engagement: float
+        d: float,
+        ddot: float,
+        d_max: float,
+        damping: float,
+        exponent: float,
+        tension: float,
+        engagement: float,
+        rebound: float,
     ) -> float:
         """The force, N, compression positive."""
         size = (ddot * ddot + 1e-4) ** (0.5 * (exponent - 1.0))
+        if ddot < 0.0:
+            size = size * rebound
         return damping * ddot * size * max(tension, min(1.0, max(0.0, d) / engagement))

@@ -1,7 +1,7 @@
 """A force curve given by its corners."""
 
 from crashkit.protocols import ParameterSpec, SpringLaw
-from crashkit_spring_laws.shared import CLEARANCE, RATE_COEFFICIENT, TENSION, TOE, UNLOADING_STIFFNESS
+from crashkit_spring_laws.shared import CLEARANCE, RATE_COEFFICIENT, TENSION, TENSION_FORCE, TOE, UNLOADING_STIFFNESS
 
 RISE = 1e-4
 """m, over which a force given at deformation 0 is reached."""
@@ -12,7 +12,8 @@ class PiecewiseAffine(SpringLaw):
 
     With x = d - clearance, F_load is the broken line from (0, 0) through (deformation[i], force[i]), then `final_stiffness`.
     F_s = F_load(d_max) - k (d_max - d); without unloading stiffness k, F_s = F_load(d).
-    F = F_s max(0, 1 + a ddot) where F_s pushes, and F = tension F_s max(0, 1 - a ddot) where it pulls.
+    F = F_s max(0, 1 + a ddot) where F_s pushes, and F = tension F_s max(0, 1 - a ddot) where it pulls,
+    at most `tension_force`.
 
     A toe t makes x = (d - clearance)^2 / (2 t) up to d - clearance = t, and d - clearance - t / 2 from there on.
     Where the first corner is at deformation 0, its force is reached within 0.1 mm, because a force must be continuous.
@@ -31,6 +32,7 @@ class PiecewiseAffine(SpringLaw):
         RATE_COEFFICIENT,
         CLEARANCE,
         TENSION,
+        TENSION_FORCE,
         TOE,
     )
 
@@ -46,6 +48,7 @@ class PiecewiseAffine(SpringLaw):
         rate_coefficient: float,
         clearance: float,
         tension: float,
+        tension_force: float,
         toe: float,
     ) -> float:
         """The force, N, compression positive."""
@@ -74,4 +77,4 @@ class PiecewiseAffine(SpringLaw):
         static = static + added - unloading_stiffness * (turn - d)
         if static >= 0.0:
             return static * max(0.0, 1.0 + rate_coefficient * ddot)
-        return tension * static * max(0.0, 1.0 - rate_coefficient * ddot)
+        return max(-tension_force, tension * static * max(0.0, 1.0 - rate_coefficient * ddot))

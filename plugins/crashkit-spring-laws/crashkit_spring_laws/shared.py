@@ -2,6 +2,9 @@
 
 from crashkit.protocols import ParameterSpec
 
+NEVER = 1e12
+"""N; no joint bears more."""
+
 UNLOADING_STIFFNESS = ParameterSpec(
     "unloading_stiffness",
     "N m-1",
@@ -26,6 +29,9 @@ TENSION = ParameterSpec(
     default=0.0,
     free=False,
     null=0.0,
+)
+TENSION_FORCE = ParameterSpec(
+    "tension_force", "N", "the most that the joint bears where it pulls", lower=0.0, default=NEVER, null=NEVER
 )
 ENGAGEMENT = ParameterSpec(
     "engagement",

@@ -52,6 +52,39 @@ class LockingStop(SpringLaw):
         return stiffness * x / (1.0 - min(x / locking_way, 0.95))
 
 
+class HuntCrossley(SpringLaw):
+    """A contact with losses (Hunt and Crossley 1975, doi:10.1115/1.3423596): F = P u^n max(0, 1 + c ddot).
+
+    u = max(0, d - stop_deformation) / way; n = 1.5 is Hertz's contact of a sphere.
+    """
+
+    name = "hunt_crossley"
+    parameters = (
+        ParameterSpec("force", "N", "force at rest where the stop is pressed by `way` (P)", lower=0.0, null=0.0),
+        STOP_DEFORMATION,
+        ParameterSpec("exponent", "1", "of the way beyond the stop (n)", lower=1.0, upper=4.0, default=1.5),
+        ParameterSpec("loss", "s m-1", "relative rise of the force with the rate (c)", lower=0.0, default=0.0, null=0.0),
+        ParameterSpec("way", "m", "beyond the stop, at which `force` is meant", lower=1e-6, default=0.1, free=False),
+    )
+
+    @staticmethod
+    def force(
+        d: float,
+        ddot: float,
+        d_max: float,
+        force: float,
+        stop_deformation: float,
+        exponent: float,
+        loss: float,
+        way: float,
+    ) -> float:
+        """The force, N, compression positive."""
+        pressed = d - stop_deformation
+        if pressed <= 0.0:
+            return 0.0
+        return force * (pressed / way) ** exponent * max(0.0, 1.0 + loss * ddot)
+
+
 class CrushStop(SpringLaw):
     """A stop that is crushed: F = k max(0, min(x_max, crush_length) - release (x_max - x)), x = max(0, d - stop_deformation).
 

@@ -1,9 +1,7 @@
 """How a load hangs on its carrier."""
 
 from crashkit.protocols import ParameterSpec, SpringLaw
-
-NEVER = 1e12
-"""N; a tie holds this for certain."""
+from crashkit_spring_laws.shared import NEVER
 
 
 class Tie(SpringLaw):

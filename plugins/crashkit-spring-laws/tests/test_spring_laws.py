@@ -20,6 +20,7 @@ from crashkit_spring_laws import (
     Fading,
     Folding,
     Fracture,
+    HuntCrossley,
     LinearStop,
     LockingStop,
     Maxwell,
@@ -58,6 +59,7 @@ EXAMPLES = [
     (CrushPlateau, PLATEAU),
     (CrushPlateau, PLATEAU | {"unloading_stiffness": 4e6, "rate_coefficient": 0.02, "clearance": 0.05}),
     (CrushPlateau, PLATEAU | {"unloading_stiffness": 4e6, "rate_coefficient": 0.02, "tension": 1.0}),
+    (CrushPlateau, PLATEAU | {"unloading_stiffness": 4e6, "tension": 1.0, "tension_force": 2e4}),
     (PiecewiseAffine, CORNERS),
     (PiecewiseAffine, CORNERS | {"rate_coefficient": 0.03, "tension": 1.0}),
     (PiecewiseAffine, CORNERS | {"unloading_stiffness": 2e6, "rate_coefficient": 0.1, "clearance": 0.1}),
@@ -73,6 +75,7 @@ EXAMPLES = [
     (Dahl, {"friction_force": 5e3, "bristle_length": 0.05, "always": 0.0}),
     (LinearStop, {"stiffness": 1e6, "stop_deformation": 0.3}),
     (CrushStop, {"stiffness": 1e6, "stop_deformation": 0.2, "crush_length": 0.1, "release": 3.0}),
+    (HuntCrossley, {"force": 4e4, "stop_deformation": 0.2, "exponent": 1.5, "loss": 0.3}),
     (QuadraticStop, {"coefficient": 1e6, "stop_deformation": 0.3}),
     (LockingStop, {"stiffness": 1e6, "stop_deformation": 0.3, "locking_way": 0.2}),
     (TensionSpring, {"stiffness": 1e6}),
@@ -81,6 +84,7 @@ EXAMPLES = [
     (Peak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_sharpness": 8.0}),
     (Folding, {"amplitude": 2e4, "fold_length": 0.3, "onset": 0.2}),
     (Folding, {"amplitude": 2e4, "fold_length": 0.2, "skew": 0.9, "arch": 0.4, "shortening": 0.1, "weakening": 0.3}),
+    (Folding, {"amplitude": 2e4, "fold_length": 0.2, "skew": -0.4, "shortening": -0.1}),
     (SmoothTable, {"heights": [1e4, -2e4, 3e4], "reach": 0.6}),
     (RateTable, {"heights": [-1e4, 0.0, 2e4, 3e4], "reach": 10.0}),
     (RateCurve, {"rate_heights": [-0.4, 0.0, 0.2, 0.1], "rate_reach": 10.0}),
@@ -90,6 +94,7 @@ EXAMPLES = [
     (BoucWen, {"stiffness": 1e6, "yield_force": 5e4, "hardening": 0.1, "sharpness": 1.0}),
     (ViscousPower, {"damping": 1e4, "exponent": 0.6}),
     (ViscousPower, {"damping": 1e4, "exponent": 2.0, "tension": 1.0}),
+    (ViscousPower, {"damping": 1e4, "exponent": 1.0, "tension": 1.0, "rebound": 0.4}),
     (Maxwell, {"relaxing_stiffness": 1e6, "relaxation_time": 0.02}),
     (Maxwell, {"relaxing_stiffness": 1e6, "relaxation_time": 0.005, "clearance": 0.05, "tension": 1.0}),
     (Fracture, {"fracture_deformation": 0.3, "loss": 0.7}),
@@ -182,6 +187,14 @@ def test_unloading_and_reloading_follow_one_line(law, parameters):
 def test_tension_pulls():
     assert value(CrushPlateau, -0.1, **PLATEAU, tension=1.0) == pytest.approx(-1.1e5)
     assert value(PiecewiseAffine, -0.1, **CORNERS, tension=1.0) == pytest.approx(-8e4)
+
+
+@pytest.mark.parametrize(("law", "parameters"), [(CrushPlateau, PLATEAU), (PiecewiseAffine, CORNERS)])
+def test_a_joint_pulls_with_no_more_than_it_bears(law, parameters):
+    pulls = parameters | {"unloading_stiffness": 2e6, "tension": 1.0, "tension_force": 3e4}
+    top = value(law, 0.3, **pulls)
+    forces = [value(law, 0.3 - (top + pull) / 2e6, d_max=0.3, **pulls) for pull in (0.0, 2e4, 3e4, 9e4)]
+    assert forces == pytest.approx([0.0, -2e4, -3e4, -3e4], abs=1e-6)
 
 
 @pytest.mark.parametrize(("law", "parameters"), [(CrushPlateau, PLATEAU), (PiecewiseAffine, CORNERS)])
@@ -284,8 +297,25 @@ def test_folds_have_a_shape():
     shorter = [value(Folding, d, **folds, shortening=0.1) for d in np.linspace(0.0, 1.0, 10001)]
     crossings = 1e-4 * np.flatnonzero(np.diff(np.signbit(shorter)))
     assert np.all(np.diff(np.diff(crossings)) < 0.0)
+    longer = [value(Folding, d, **folds, shortening=-0.1) for d in np.linspace(0.0, 1.0, 10001)]
+    crossings = 1e-4 * np.flatnonzero(np.diff(np.signbit(longer)))
+    assert np.all(np.diff(np.diff(crossings)) > 0.0)
+    nearly_even = [value(Folding, 0.53, **folds, shortening=s) for s in (-1e-7, 1e-7)]
+    assert nearly_even == pytest.approx([value(Folding, 0.53, **folds)] * 2, abs=1e-4)
     first, third = (value(Folding, d, **folds, weakening=0.5) for d in (0.05, 0.45))
     assert third / first == pytest.approx(math.exp(-1.0))
+
+
+def test_a_damper_may_be_weaker_on_the_way_back():
+    valves = {"damping": 1e3, "exponent": 1.0, "tension": 1.0, "rebound": 0.4}
+    assert [value(ViscousPower, -0.1, ddot=rate, **valves) for rate in (-2.0, 2.0)] == pytest.approx([-800.0, 2e3])
+
+
+def test_a_contact_takes_up_energy_as_it_is_struck():
+    contact = {"force": 4e4, "way": 0.1, "stop_deformation": 0.2, "loss": 0.3}
+    forces = [value(HuntCrossley, 0.24, ddot=rate, **contact) for rate in (-5.0, 0.0, 2.0)]
+    assert forces == pytest.approx([0.0, 4e4 * 0.4**1.5, 1.6 * 4e4 * 0.4**1.5])
+    assert value(HuntCrossley, 0.2, ddot=2.0, **contact) == 0.0
 
 
 def test_tables():
