@@ -1,20 +1,25 @@
 """Every finding in its best form: one that was found first had to make do for those that came after it."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 from attrs import evolve
 
-from crashkit.diagnose.contest import Entrant, Progress, heats, identity, promising, scores, scouted
+from crashkit.campaign import spread
+from crashkit.diagnose.contest import Entrant, Progress, Start, heats, identity
 from crashkit.diagnose.look import Round, is_unknown
 from crashkit.diagnose.name import Rival, explains, propose_all
 from crashkit.diagnose.rebuild import rebuild
-from crashkit.diagnose.search import Search
+from crashkit.diagnose.search import Search, begin, begin_all
 from crashkit.diagnose.workshop import Workshop
+from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
 
-STARTS = 3
-"""Of each form."""
+SHARES = (1 / 6, 1 / 3, 2 / 3, 1.0)
+"""Of the time recorded, looked at one after the other while only a form's own numbers move."""
+ALONE = 10
+"""Steps in each."""
 HEATS = ((12, 8), (4, 40))
 
 
@@ -32,26 +37,46 @@ def in_best_forms(
         if explains(search) or is_unknown(look.rivals[0]):
             continue
         others = [other.rivals[0] for other in looks if other is not look]
-        entrants = _other_forms(workshop, base_search, look.rivals[0], others, search, progress)
-        better = max((_instead(look.rivals[0], search, *entrant) for entrant in entrants), key=_evidence, default=None)
-        if better is not None and better.evidence > look.rivals[0].evidence:
-            looks[index], search = evolve(look, rivals=(better, *look.rivals[1:])), better.search
+        forms = _forms(workshop, base_search, look.rivals[0], others, search, progress)
+        best = max((_instead(look.rivals[0], search, *form) for form in forms), key=_evidence, default=look.rivals[0])
+        if best.evidence > look.rivals[0].evidence:
+            looks[index], search = evolve(look, rivals=(best, *look.rivals[1:])), best.search
     return looks, search
 
 
-def _other_forms(
+def _forms(
     workshop: Workshop, base_search: Search, rival: Rival, others: Sequence[Rival], search: Search, progress: Progress
 ) -> list[Entrant]:
-    """Fits of a claim's other forms, from where its present one has driven all other numbers."""
+    """Fits of a claim in all its forms, from where its present one has driven all other numbers."""
     without = rebuild(workshop, base_search, others, search)
     if without is None:
         return []
-    origin = without.misfit.with_values_of(search.fitted())
-    claims = [p for p in propose_all(workshop.hypotheses, origin) if identity(p) == rival.identity]
-    forms = [p for p in claims if p.form != rival.proposal.form]
-    equipped = workshop.equipped([p.model for p in forms])
-    chosen = promising(scores(equipped, origin, forms, np.inf, progress), STARTS, 0.0)
-    return heats(scouted(equipped, origin, chosen, (1.0,), HEATS[0][0], np.inf), HEATS, progress)
+    origin, found = without.misfit.with_values_of(search.fitted()), search.misfit.values(search.point)
+    forms = [p for p in propose_all(workshop.hypotheses, origin) if identity(p) == rival.identity]
+    if len(forms) < 2:
+        return []
+    equipped = workshop.equipped([form.model for form in forms])
+    starts = [(form, {**form.null, **start}) for form in forms for start in (*form.starts, found)]
+    ahead = spread(partial(_alone, equipped, origin), starts)
+    misfits = [_with(equipped, origin, form, values) for (form, _), values in zip(starts, ahead, strict=True)]
+    searches = begin_all(workshop.identifier, misfits)
+    return heats(list(zip((form for form, _ in starts), searches, strict=True)), HEATS, progress)
+
+
+def _alone(workshop: Workshop, origin: Misfit, start: Start) -> Mapping[str, float]:
+    """Where a form's own numbers go while all others stay: first as far as the first instants tell them, then all."""
+    form, values = start
+    slices = [early for early in (origin.coarse.up_to(share) for share in SHARES) if early.groups]
+    for early in slices:
+        misfit = _with(workshop, early, form, values)
+        alone = misfit.with_values({}, free={name: name in form.parameters for name in misfit.names})
+        values = alone.values(begin(workshop.identifier, alone).advance(ALONE).point)
+    return values
+
+
+def _with(workshop: Workshop, origin: Misfit, form: Proposal, values: Mapping[str, float]) -> Misfit:
+    misfit = workshop.misfit(origin, form.model).with_values_of(origin)
+    return misfit.with_values({name: value for name, value in values.items() if name in form.parameters})
 
 
 def _instead(rival: Rival, search: Search, proposal: Proposal, found: Search) -> Rival:

@@ -84,15 +84,14 @@ def _discovered(workshop: Workshop, given: Misfit, base_search: Search, progress
     rounds, look = named_before_unknown(workshop, given, base_search, look, progress)
     search = base_search
     while look.winner is not None and not _corrects(look.winner, rounds):
-        look = settled(workshop, given, look, look.winner, progress)
-        rounds.append(look)
-        search = look.rivals[0].search
+        rounds.append(settled(workshop, given, look, look.winner, progress))
+        rounds, search = in_best_forms(workshop, base_search, rounds, rounds[-1].rivals[0].search, progress)
         if len(rounds) == MOST_FINDINGS or _is_estimated(rounds):
             break
         look = look_again(workshop, given, search.fitted(), [r.rivals[0] for r in rounds], progress)
     if len(rounds) > 1:
         rounds, search = _reconsider(workshop, given, base_search, rounds, progress)
-    rounds, search = in_best_forms(workshop, base_search, rounds, search, progress)
+        rounds, search = in_best_forms(workshop, base_search, rounds, search, progress)
     last = look if look.winner is None else None
     return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds), last)
 
