@@ -32,7 +32,7 @@ def peak(d: float) -> float:
 def crush(
     name: str, d: float, d_max: float, *added: float, slope: float = SLOPE, rate: float = 0.0, gap: float = 0.0
 ) -> float:
-    return BOOK[name].force(d, 1.0, d_max, ALPHA, DELTA, GAMMA, BETA, slope, rate, gap, 0.0, 0.0, *added)
+    return BOOK[name].force(d, 1.0, d_max, ALPHA, DELTA, GAMMA, BETA, slope, rate, gap, 0.0, 0.0, 0.0, *added)
 
 
 @given(d=deformations)
@@ -159,7 +159,7 @@ class Clashing(SpringLaw):
 @given(d=deformations)
 def test_variables_of_the_same_name_are_kept_apart(d):
     book = LawBook({"crush_plateau": BOOK["crush_plateau"], "clashing": Clashing})
-    force = book["crush_plateau + clashing"].force(d, 0.0, d, ALPHA, DELTA, GAMMA, BETA, SLOPE, 0.0, 0.0, 0.0, 0.0, 7.0)
+    force = book["crush_plateau + clashing"].force(d, 0.0, d, ALPHA, DELTA, GAMMA, BETA, SLOPE, 0.0, 0.0, 0.0, 0.0, 0.0, 7.0)
     assert force == pytest.approx(plateau(d) + 7.0 * (d + 1.0), rel=1e-12)
 
 
@@ -171,9 +171,9 @@ RELAXING, TIME = 2e5, 0.02
 @given(d=deformations, q=st.floats(0.0, 0.3))
 def test_laws_stand_side_by_side(d, q):
     both = BOOK["crush_plateau | maxwell"]
-    force = both.force(d, 1.0, d, q, ALPHA, DELTA, GAMMA, BETA, SLOPE, 0.0, 0.0, 0.0, 0.0, RELAXING, TIME, 0.0, 1e-3)
+    force = both.force(d, 1.0, d, q, ALPHA, DELTA, GAMMA, BETA, SLOPE, 0.0, 0.0, 0.0, 0.0, 0.0, RELAXING, TIME, 0.0, 1e-3)
     assert force == pytest.approx(plateau(d) + max(0.0, RELAXING * (d - q)), rel=1e-12, abs=1e-6)
-    rate = both.memory_rate(d, 1.0, d, q, ALPHA, DELTA, GAMMA, BETA, SLOPE, 0.0, 0.0, 0.0, 0.0, RELAXING, TIME, 0.0, 1e-3)
+    rate = both.memory_rate(d, 1.0, d, q, ALPHA, DELTA, GAMMA, BETA, SLOPE, 0.0, 0.0, 0.0, 0.0, 0.0, RELAXING, TIME, 0.0, 1e-3)
     assert rate == pytest.approx((d - q) / TIME)
     assert both.memory == "dashpot_deformation"
 
@@ -181,7 +181,9 @@ def test_laws_stand_side_by_side(d, q):
 def test_what_is_declared_alike_is_one():
     names = [spec.name for spec in BOOK["crush_plateau | viscous"].parameters]
     assert names.count("clearance") == 1
-    gap = BOOK["crush_plateau | viscous"].force(0.3, 2.0, 0.3, ALPHA, DELTA, GAMMA, BETA, 0.0, 0.0, 0.1, 0.0, 0.0, 1e3, 1e-3)
+    gap = BOOK["crush_plateau | viscous"].force(
+        0.3, 2.0, 0.3, ALPHA, DELTA, GAMMA, BETA, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 1e3, 1e-3
+    )
     assert gap == pytest.approx(plateau(0.2) + 2e3)
 
 
@@ -208,7 +210,29 @@ def test_signs_bind_in_their_order():
     law = BOOK["coulomb | crush_plateau + peak * rate_linear"]
     assert [part.name for part in law.parts] == ["coulomb", "crush_plateau", "peak", "rate_linear"]
     force = law.force(
-        0.01, 1.0, 0.01, 3e3, 0.05, 1.0, 1e-3, 0.0, 1.0, 0.0, ALPHA, DELTA, GAMMA, BETA, 0.0, 0.0, 0.0, 0.0, P, PEAK, 1.0, 0.5
+        0.01,
+        1.0,
+        0.01,
+        3e3,
+        0.05,
+        1.0,
+        1e-3,
+        0.0,
+        1.0,
+        0.0,
+        ALPHA,
+        DELTA,
+        GAMMA,
+        BETA,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        P,
+        PEAK,
+        1.0,
+        0.5,
     )
     assert force == pytest.approx(3e3 * math.tanh(20.0) + 1.5 * (plateau(0.01) + peak(0.01)))
 
@@ -251,7 +275,7 @@ def test_what_can_stand_side_by_side_is_told_beforehand():
 @given(d=deformations, q=st.floats(0.0, 1e5))
 def test_a_force_passes_through_a_memory(d, q):
     law = BOOK["crush_plateau ~ quasi_linear"]
-    numbers = (ALPHA, DELTA, GAMMA, BETA, SLOPE, 0.0, 0.0, 0.0, 0.0, 0.5, TIME, 1.0)
+    numbers = (ALPHA, DELTA, GAMMA, BETA, SLOPE, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5, TIME, 1.0)
     assert law.memory == "faded_force"
     assert law.force(d, 1.0, d, q, *numbers) == pytest.approx(1.5 * plateau(d) - 0.5 * q, rel=1e-9, abs=1e-6)
     assert law.memory_rate(d, 1.0, d, q, *numbers) == pytest.approx((plateau(d) - q) / TIME, rel=1e-9, abs=1e-3)
