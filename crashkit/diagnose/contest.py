@@ -4,6 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from typing import TypeVar
 
 from crashkit.campaign import spread
 from crashkit.diagnose.result import UNKNOWN, place_of
@@ -13,6 +14,7 @@ from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
 
+Found = TypeVar("Found")
 Progress = Callable[[str, float], None]
 Start = tuple[Proposal, Mapping[str, float]]
 """A proposal, and values by path to begin at."""
@@ -48,7 +50,7 @@ def scores(
 def promising(scored: Sequence[tuple[Proposal, Score]], most: int, least: float) -> list[Start]:
     """The best starts of every form of every claim that promises a drop of `least`."""
     hopeful = [(proposal, one) for proposal, one in scored if one.drop > least or not proposal.null]
-    best = _first_of_each(sorted(hopeful, key=lambda one: -one[1].drop), most)
+    best = first_of_each(sorted(hopeful, key=lambda one: -one[1].drop), most)
     return [(proposal, one.values) for proposal, one in best]
 
 
@@ -91,7 +93,7 @@ def _scout(
     return values, search.state.cost
 
 
-def _first_of_each(ranked: Sequence[tuple[Proposal, Score]], most: int) -> list[tuple[Proposal, Score]]:
+def first_of_each(ranked: Sequence[tuple[Proposal, Found]], most: int) -> list[tuple[Proposal, Found]]:
     """The best few of each claim in each form."""
     seen: Counter[tuple[str, ...]] = Counter()
     chosen = []

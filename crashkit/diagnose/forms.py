@@ -7,7 +7,7 @@ import numpy as np
 from attrs import evolve
 
 from crashkit.campaign import spread
-from crashkit.diagnose.contest import Entrant, Progress, Start, heats, identity
+from crashkit.diagnose.contest import Entrant, Progress, Start, first_of_each, heats, identity
 from crashkit.diagnose.look import Round, is_unknown
 from crashkit.diagnose.name import Rival, explains, propose_all
 from crashkit.diagnose.rebuild import rebuild
@@ -20,7 +20,8 @@ SHARES = (1 / 6, 1 / 3, 2 / 3, 1.0)
 """Of the time recorded, looked at one after the other while only a form's own numbers move."""
 ALONE = 10
 """Steps in each."""
-HEATS = ((12, 8), (4, 40))
+HEATS = ((4, 8), (2, 40))
+"""How many starts of each form go on, and how many steps each gets."""
 
 
 def in_best_forms(
@@ -56,11 +57,24 @@ def _forms(
     if len(forms) < 2:
         return []
     equipped = workshop.equipped([form.model for form in forms])
-    starts = [(form, {**form.null, **start}) for form in forms for start in (*form.starts, found)]
+    starts = [(form, {**form.null, **start}) for form in forms for start in _starts(form, rival.proposal, found)]
     ahead = spread(partial(_alone, equipped, origin), starts)
     misfits = [_with(equipped, origin, form, values) for (form, _), values in zip(starts, ahead, strict=True)]
     searches = begin_all(workshop.identifier, misfits)
-    return heats(list(zip((form for form, _ in starts), searches, strict=True)), HEATS, progress)
+    return _fitted(list(zip((form for form, _ in starts), searches, strict=True)), progress)
+
+
+def _fitted(entrants: Sequence[Entrant], progress: Progress) -> list[Entrant]:
+    """Each form from the best of its starts: in a common heat, those of one form that meet in one optimum take all places."""
+    for most, steps in HEATS:
+        ahead = first_of_each(sorted(entrants, key=lambda entrant: entrant[1].state.cost), most)
+        entrants = heats(ahead, ((len(ahead), steps),), progress)
+    return list(entrants)
+
+
+def _starts(form: Proposal, present: Proposal, found: Mapping[str, float]) -> Sequence[Mapping[str, float]]:
+    """Of the present form also where it stands; numbers of the same name may lead another form back to what this one does."""
+    return [*form.starts, found] if form.form == present.form else form.starts
 
 
 def _alone(workshop: Workshop, origin: Misfit, start: Start) -> Mapping[str, float]:

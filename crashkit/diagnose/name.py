@@ -109,17 +109,18 @@ def fit_rivals(
     normalised = float(np.sqrt(reference / base.independent_samples))
     strained = base.departure(base.start()) > STRAINED
     astray = begin(workshop.identifier, base.coarse).state.cost
-    scored = scores(workshop, base, proposals, reference, progress)
+    plain = [proposal for proposal in proposals if not proposal.refined]
+    scored = scores(workshop, base, plain, reference, progress)
     chosen = promising(scored, 1, NOISE_PROMISE if normalised < FLOOR and not strained else LEAST_PROMISE)
     fitted = heats(scouted(workshop, base, chosen, (1.0,), HEATS[0][0], astray), HEATS, progress)
     hides = afresh and (strained or normalised > CONCEALED)
     if hides and not any(explains(search) for _, search in fitted):
         fitted += _leader_again(workshop, given, _ranked(fitted, deviance), progress)
     if hides and not any(explains(search) for _, search in fitted):
-        rough = promising(scores(workshop, given.coarse, proposals, np.inf, progress), STARTS, LEAST_PROMISE)
+        rough = promising(scores(workshop, given.coarse, plain, np.inf, progress), STARTS, LEAST_PROMISE)
         fitted += heats(scouted(workshop, given, rough, GROWING, HEATS[0][0], astray), HEATS, progress)
     ranked = _ranked(fitted, deviance)
-    if ranked and ranked[0].search.normalised > FLOOR:
+    if ranked and (ranked[0].search.normalised > FLOOR or ranked[0].proposal.physics == UNKNOWN):
         ranked = _ranked([*fitted, *_polished(workshop, given, ranked, proposals, astray, progress)], deviance)
     return ranked, _limits(scored)
 
@@ -200,8 +201,10 @@ def _polished(
     for proposal in forms:
         found = next((r.search for r in ranked if r.proposal is proposal), None)
         known = found.misfit.values(found.point) if found else {}
-        new = {name: known[name] for name in proposal.parameters if name in known} or dict(proposal.starts[0])
-        misfits = scattered(workshop.misfit(given, proposal.model).with_values_of(given).with_values(new), SCATTERED)
+        new = {name: known[name] for name in proposal.parameters if name in known}
+        origin = workshop.misfit(given, proposal.model).with_values_of(given)
+        origins = [origin.with_values(start) for start in ([new] if new else proposal.starts[:SCATTERED])]
+        misfits = [misfit for one in origins for misfit in scattered(one, SCATTERED // len(origins))]
         starts += [(proposal, misfit.values(misfit.start())) for misfit in misfits]
     return heats(scouted(workshop, given, starts, GROWING, POLISHING[0][0], astray), POLISHING, progress)
 

@@ -90,7 +90,7 @@ def _discovered(workshop: Workshop, given: Misfit, base_search: Search, progress
             break
         look = look_again(workshop, given, search.fitted(), [r.rivals[0] for r in rounds], progress)
     if len(rounds) > 1:
-        rounds, search = _reconsider(workshop, given, base_search, rounds, progress)
+        rounds, search = _reconsider(workshop, given, base_search, rounds, search, progress)
         rounds, search = in_best_forms(workshop, base_search, rounds, search, progress)
     last = look if look.winner is None else None
     return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds), last)
@@ -121,25 +121,26 @@ def _is_estimated(rounds: Sequence[Round]) -> bool:
 
 
 def _reconsider(
-    workshop: Workshop, given: Misfit, base_search: Search, rounds: list[Round], progress: Progress
+    workshop: Workshop, given: Misfit, base_search: Search, rounds: list[Round], search: Search, progress: Progress
 ) -> tuple[list[Round], Search]:
     """Takes each finding away in turn, and lets all hypotheses compete again for its place beside the others.
 
     The first that was found had to make do for all of them, and is often only the best stand-in. Where everything is explained
     and nothing can be spared, there is nothing to question.
     """
-    looks, search = list(rounds), rounds[-1].rivals[0].search
-    for old in rounds:
-        rest = [look for look in looks if look is not old]
-        others = [look.rivals[0] for look in rest]
-        without = rebuild(workshop, base_search, others, search)
-        if without is None or (search.normalised < FLOOR and without.deviance > search.deviance + NEEDED):
+    looks = list(rounds)
+    for claim in [look.rivals[0].identity for look in rounds]:
+        place = [look.rivals[0].identity for look in looks].index(claim)
+        rest = [*looks[:place], *looks[place + 1 :]]
+        without = rebuild(workshop, base_search, [look.rivals[0] for look in rest], search)
+        if without is None:
             continue
-        look = look_again(workshop, given, without.fitted(), others, progress)
+        rest, without = in_best_forms(workshop, base_search, rest, without, progress)
+        if search.normalised < FLOOR and without.deviance > search.deviance + NEEDED:
+            continue
+        look = look_again(workshop, given, without.fitted(), [one.rivals[0] for one in rest], progress)
         if look.winner is None or _corrects(look.winner, rest):
-            looks.remove(old)
-            search = without
+            looks, search = rest, without
         elif look.winner.search.deviance < search.deviance + TIE:
-            looks[looks.index(old)] = look
-            search = look.winner.search
+            looks, search = [*rest[:place], look, *rest[place:]], look.winner.search
     return looks, search

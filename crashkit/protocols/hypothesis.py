@@ -23,6 +23,8 @@ class Proposal:
         parameters: names (paths) of the new free parameters, the amplitude first.
         null: values of some of them at which the physics vanishes.
         starts: values of the new parameters to start a fit from, one mapping each.
+        refined: whether it is a finer form of a claim that has simpler ones: it is only tried where these leave something, or
+            where an unknown force would be told.
     """
 
     physics: str
@@ -32,6 +34,7 @@ class Proposal:
     parameters: tuple[str, ...]
     null: Mapping[str, float]
     starts: tuple[Mapping[str, float], ...] = field(default=({},))
+    refined: bool = field(default=False)
 
 
 class Hypothesis(ABC):

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 import xarray as xr
+from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
@@ -13,13 +14,13 @@ SHARES = (0.5, 0.7, 0.85, 0.95)
 
 
 class Bottoming(Hypothesis):
-    """F = F_law(d) + k x, + c x^2, or + k x / (1 - x / l), with x = max(0, d - e)."""
+    """F = F_law(d) + k x, + c x^2, + k x / (1 - x / l), or + P (exp(x / l) - 1), with x = max(0, d - e)."""
 
     physics: ClassVar[str] = "bottoming"
     sentence: ClassVar[str] = "{place} bottoms out: it stiffens sharply at large deformation"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """A line, a parabola and a lock at every joint that is compressed, from several engagements."""
+        """A line, a parabola, a lock and an exponential at every joint that is compressed, from several engagements."""
         reached = {joint.name: largest_deformation(motion, joint.name) for joint in model.joints}
         return [
             form
@@ -34,9 +35,16 @@ class Bottoming(Hypothesis):
         parabola = {"coefficient": Parameter(0.0, 0.0, 1e12), "stop_deformation": stop}
         way = Parameter(0.5 * reached, 0.02 * reached, 5.0 * reached)
         lock = {"stiffness": Parameter(0.0, 0.0, 1e10), "stop_deformation": stop, "locking_way": way}
+        growth = {
+            "force": Parameter(0.0, 0.0, 1e8),
+            "stop_deformation": stop,
+            "growth_way": Parameter(0.1 * reached, 0.01 * reached, 2.0 * reached),
+        }
         starts = grid(stop_deformation=[share * reached for share in SHARES])
+        exponential = added(model, joint, self.physics, "exponential", "exponential_stop", growth, "force", starts)
         return [
             added(model, joint, self.physics, "line", "linear_stop", line, "stiffness", starts),
             added(model, joint, self.physics, "parabola", "quadratic_stop", parabola, "coefficient", starts),
             added(model, joint, self.physics, "locking", "locking_stop", lock, "stiffness", starts),
+            evolve(exponential, refined=True),
         ]

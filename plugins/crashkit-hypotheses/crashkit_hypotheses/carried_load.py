@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 import xarray as xr
-from attrs import frozen
+from attrs import evolve, frozen
 
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.model.edit import fresh_name, with_body, with_joint
@@ -29,7 +29,7 @@ Start = Mapping[str, float]
 
 
 class CarriedLoad(Hypothesis):
-    """A body of unknown mass: tied closely, with slack, sliding, by a yielding belt; crushing what it meets, or the wall."""
+    """A body of unknown mass: tied closely, with slack, sliding, by a belt that yields or stiffens; crushing what it meets."""
 
     physics: ClassVar[str] = "carried_load"
     sentence: ClassVar[str] = "{place} carries a mass that the model does not have"
@@ -40,7 +40,7 @@ class CarriedLoad(Hypothesis):
         tied = [
             tie(Carrier(model, body, mass, *stop_of(motion, body.name)))
             for body, mass in carriers
-            for tie in (_tied, _slack, _let_go, _sliding, _belt, _crush)
+            for tie in (_tied, _slack, _let_go, _stiffening, _sliding, _belt, _crush)
         ]
         return [*tied, *(p for body, mass in carriers for p in meets_obstacle(model, body, mass, recordings))]
 
@@ -104,6 +104,13 @@ def _slack(carrier: Carrier) -> Proposal:
 def _let_go(carrier: Carrier) -> Proposal:
     """The same with a dashpot that is let go on the way back."""
     return _loaded(carrier, "slack, let go", "tie", _spring(carrier) | SLACK, _with_slack(carrier, 1.0))
+
+
+def _stiffening(carrier: Carrier) -> Proposal:
+    """The same with a spring that gets stiffer: F = k x (1 + s x) + c ddot, x = d - slack."""
+    travel = 0.5 * carrier.speed * carrier.duration
+    more = {**SLACK, "stiffening": Parameter(1.0 / travel, 0.0, 100.0 / travel)}
+    return evolve(_loaded(carrier, "stiffening", "tie", _spring(carrier) | more, _with_slack(carrier, 1.0)), refined=True)
 
 
 def _sliding(carrier: Carrier) -> Proposal:

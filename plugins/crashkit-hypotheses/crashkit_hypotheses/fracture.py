@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 import xarray as xr
+from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
@@ -19,10 +20,13 @@ from crashkit_hypotheses.build import (
 
 LOSS = Parameter(0.0, 0.0, 1.0)
 SHARES = (0.02, 0.15, 0.35, 0.6, 0.8)
+"""Of the deformation reached: where a loss begins."""
+FIRST, STEPS = (0.1, 0.3, 0.5), (0.25, 0.4)
+"""The same of the first of two, and the way to the second."""
 
 
 class Fracture(Hypothesis):
-    """F = F_law (1 - loss) for good: beyond a compression, at once or over a length, or beyond an extension.
+    """F = F_law (1 - loss) for good: beyond a compression, at once, over a length or in two steps, or beyond an extension.
 
     A member whose force rises as it is deformed breaks at a force where it breaks at a deformation; the two are one form.
     """
@@ -36,13 +40,13 @@ class Fracture(Hypothesis):
         pressed = [joint for joint in sound if largest_deformation(motion, joint.name) > 0]
         pulled = [joint for joint in sound if pulls(motion, joint.name)]
         return [
-            *(self._pressed(model, joint, motion, recordings) for joint in pressed),
+            *(form for joint in pressed for form in self._pressed(model, joint, motion, recordings)),
             *(self._tear(model, joint, largest_extension(motion, joint.name)) for joint in pulled),
         ]
 
     def _pressed(
         self, model: Model, joint: Joint, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]
-    ) -> Proposal:
+    ) -> list[Proposal]:
         reached = largest_deformation(motion, joint.name)
         # Within one sample a loss is a jump, of which the readings show no slope: the search would not see its way.
         shortest = 0.5 * sampling_interval(recordings) * largest_rate(motion, joint.name)
@@ -51,8 +55,18 @@ class Fracture(Hypothesis):
             "softening_deformation": Parameter(0.0, 0.0, 1.5 * reached),
             "softening_length": Parameter(0.25 * reached, min(shortest, 0.1 * reached), 2.0 * reached),
         }
+        stepwise = {
+            **softening,
+            "step_way": Parameter(0.3 * reached, 0.01 * reached, reached),
+            "second_loss": LOSS,
+        }
         starts = grid(softening_deformation=[share * reached for share in SHARES])
-        return multiplied(model, joint, self.physics, "compression", "softening", softening, "loss", starts)
+        ways = grid(step_way=[share * reached for share in STEPS], softening_deformation=[s * reached for s in FIRST])
+        steps = [{"loss": 0.2, "second_loss": 0.2, "softening_length": 0.05 * reached} | way for way in ways]
+        once = multiplied(model, joint, self.physics, "compression", "softening", softening, "loss", starts)
+        twice = multiplied(model, joint, self.physics, "in two steps", "stepwise_softening", stepwise, "loss", steps)
+        nothing = {path: 0.0 for path in twice.parameters if path.endswith("loss")}
+        return [once, evolve(twice, null=nothing, refined=True)]
 
     def _tear(self, model: Model, joint: Joint, reached: float) -> Proposal:
         tear = {

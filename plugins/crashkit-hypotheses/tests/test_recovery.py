@@ -6,6 +6,8 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.api import workshop as installed
+from crashkit.diagnose.forms import in_best_forms
+from crashkit.diagnose.look import Round
 from crashkit.diagnose.name import fit_rivals
 from crashkit.diagnose.search import begin
 from crashkit.mechanics import Simulator
@@ -22,6 +24,10 @@ LONGER = np.arange(1601) * 2.5e-4
 STD = {"film": ("position", 1e-3), "accelerometer": ("acceleration", 1.0)}
 KEPT_ENERGY = 1e6
 """N m-1, slope of unloading."""
+
+
+def silent(doing, share):
+    """Nobody listens."""
 
 
 def fixed(**values):
@@ -81,9 +87,10 @@ def found(model, workshop, recorded):
         motion = [base.predictor.motion(run, base.values(base.start())) for run in base.recordings]
         proposals = workshop.hypotheses[physics]().propose(base.model, motion, list(base.recordings.values()))
         equipped = workshop.equipped([proposal.model for proposal in proposals])
-        ranked, _ = fit_rivals(equipped, base, given, proposals, True, lambda doing, share: None)
-        proposal, search = ranked[0].proposal, ranked[0].search
-        search = search.advance(40)
+        ranked, _ = fit_rivals(equipped, base, given, proposals, True, silent)
+        look = Round(tuple(ranked), (1.0,), 0.0, base)
+        (look,), search = in_best_forms(equipped, begin(workshop.identifier, base), [look], ranked[0].search, silent)
+        proposal, search = look.rivals[0].proposal, search.advance(40)
         table = search.result().parameters.sel(parameter=list(proposal.parameters))
         values = {path.rsplit(".", 1)[-1]: float(v) for path, v in zip(proposal.parameters, table["value"], strict=True)}
         stds = {path.rsplit(".", 1)[-1]: float(v) for path, v in zip(proposal.parameters, table["std"], strict=True)}
@@ -162,6 +169,25 @@ def cargo(model):
     stop = fixed(stiffness=4e4, damping=600.0, slack=0.03, holds=1.0)
     stopped = with_joint(loaded, Joint("stop", ("cargo", "rear"), "tie", stop))
     return with_joint(stopped, Joint("floor", ("cargo", "rear"), "coulomb", fixed(friction_force=300.0, slip_rate=0.05)))
+
+
+def belted(model):
+    """A load in a belt that gets stiffer, and that is let go."""
+    loaded = with_body(model, evolve(model.body("rear"), name="load", mass=Parameter(300.0, fixed=True), carrier="rear"))
+    belt = fixed(stiffness=8e3, damping=300.0, slack=0.05, stiffening=40.0)
+    return with_joint(loaded, Joint("belt", ("load", "rear"), "tie", belt))
+
+
+def stiffening(model):
+    """An exponential wall in the loading curve of the first joint."""
+    first, wall = model.joint("first"), fixed(force=2e3, stop_deformation=0.6, growth_way=0.25)
+    walled = evolve(first, law="crush_plateau + exponential_stop", parameters={**first.parameters, **wall})
+    return evolve(model, joints=(walled, *model.joints[1:]))
+
+
+def unzipped(model):
+    steps = fixed(softening_deformation=0.2, softening_length=0.05, loss=0.15, step_way=0.5, second_loss=0.2)
+    return with_factor(model, "first", "stepwise_softening", steps)
 
 
 def pulsed(model):
@@ -301,6 +327,12 @@ CASES = {
         {"amplitude": 8e3, "fold_length": 0.3, "skew": 0.7, "shortening": 0.02, "weakening": 0.1},
     ),
     cargo: (("carried_load", "sliding", {"body": "rear"}), {"mass": 60.0, "slack": 0.03, "friction_force": 300.0}),
+    belted: (("carried_load", "stiffening", {"body": "rear"}), {"mass": 300.0, "slack": 0.05, "stiffening": 40.0}),
+    stiffening: (("bottoming", "exponential", {"joint": "first"}), {}),
+    unzipped: (
+        ("fracture", "in two steps", {"joint": "first"}),
+        {"loss": 0.15, "second_loss": 0.2, "softening_deformation": 0.2, "step_way": 0.5},
+    ),
     pulsed: (("unknown", "time", {"joint": "first"}), {}),
     weakened: (("unknown", "rate, as a factor", {"joint": "first"}), {}),
     touching: (
@@ -329,7 +361,7 @@ CASES = {
     drifting: (("bias", "drift", {"sensor": "rear_sensor"}), {"bias": 2.0, "bias_drift": 30.0}),
 }
 
-LATE = {absorbing, pulling}
+LATE = {absorbing, belted, pulling}
 """What acts on the way back."""
 
 

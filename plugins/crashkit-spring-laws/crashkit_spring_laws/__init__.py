@@ -5,13 +5,21 @@ from crashkit_spring_laws.crush_plateau import CrushPlateau
 from crashkit_spring_laws.dampers import Viscous, ViscousPower
 from crashkit_spring_laws.fracture import Brittle, Fracture, Tear
 from crashkit_spring_laws.friction import Coulomb, Dahl
-from crashkit_spring_laws.gradual_loss import Fading, ResidualSet, Softening, UnloadingLoss
+from crashkit_spring_laws.gradual_loss import Fading, ResidualSet, Softening, StepwiseSoftening, UnloadingLoss
 from crashkit_spring_laws.hysteresis import BoucWen
 from crashkit_spring_laws.measured_curve import MeasuredCurve
 from crashkit_spring_laws.piecewise_affine import PiecewiseAffine
-from crashkit_spring_laws.rate_factors import RateLinear, RateLogarithm, RatePower
+from crashkit_spring_laws.rate_factors import RateEyring, RateLinear, RateLogarithm, RatePower
 from crashkit_spring_laws.relaxation import Maxwell, QuasiLinear
-from crashkit_spring_laws.stops import CrushStop, HuntCrossley, LinearStop, LockingStop, QuadraticStop, TensionSpring
+from crashkit_spring_laws.stops import (
+    CrushStop,
+    ExponentialStop,
+    HuntCrossley,
+    LinearStop,
+    LockingStop,
+    QuadraticStop,
+    TensionSpring,
+)
 from crashkit_spring_laws.tables import RateCurve, RateTable, SmoothTable, TimeTable
 from crashkit_spring_laws.tie import Tie
 
@@ -24,6 +32,7 @@ SPRING_LAWS = (
     RateLinear,
     RatePower,
     RateLogarithm,
+    RateEyring,
     Viscous,
     ViscousPower,
     Coulomb,
@@ -33,6 +42,7 @@ SPRING_LAWS = (
     LinearStop,
     QuadraticStop,
     LockingStop,
+    ExponentialStop,
     CrushStop,
     HuntCrossley,
     TensionSpring,
@@ -42,6 +52,7 @@ SPRING_LAWS = (
     Brittle,
     Tear,
     Softening,
+    StepwiseSoftening,
     UnloadingLoss,
     ResidualSet,
     Fading,
@@ -59,6 +70,7 @@ __all__ = [
     "CrushPlateau",
     "CrushStop",
     "Dahl",
+    "ExponentialStop",
     "Fading",
     "Folding",
     "Fracture",
@@ -71,12 +83,14 @@ __all__ = [
     "PiecewiseAffine",
     "QuadraticStop",
     "RateCurve",
+    "RateEyring",
     "RateLinear",
     "RateLogarithm",
     "RatePower",
     "RateTable",
     "SmoothTable",
     "Softening",
+    "StepwiseSoftening",
     "Tear",
     "TensionSpring",
     "Tie",

@@ -26,6 +26,39 @@ class Softening(SpringLaw):
         return 1.0 - loss * min(1.0, max(0.0, d_max - softening_deformation) / softening_length)
 
 
+class StepwiseSoftening(SpringLaw):
+    """A member that tears open in two steps: 1 - loss r(d_max - e) - second_loss r(d_max - e - step_way).
+
+    Here e is `softening_deformation`, and r(x) = min(1, max(0, x) / softening_length); more than all is never lost.
+    """
+
+    name = "stepwise_softening"
+    unit = "1"
+    parameters = (
+        ParameterSpec("softening_deformation", "m", "largest deformation that is borne whole", lower=0.0),
+        ParameterSpec("softening_length", "m", "further deformation of each step", lower=1e-4),
+        ParameterSpec("loss", "1", "share of the force that is lost in the first step", lower=0.0, upper=1.0, null=0.0),
+        ParameterSpec("step_way", "m", "deformation from the first step to the second", lower=0.0),
+        ParameterSpec("second_loss", "1", "share that is lost in the second step", lower=0.0, upper=1.0, null=0.0),
+    )
+
+    @staticmethod
+    def force(
+        d: float,
+        ddot: float,
+        d_max: float,
+        softening_deformation: float,
+        softening_length: float,
+        loss: float,
+        step_way: float,
+        second_loss: float,
+    ) -> float:
+        """The factor."""
+        first = min(1.0, max(0.0, d_max - softening_deformation) / softening_length)
+        second = min(1.0, max(0.0, d_max - softening_deformation - step_way) / softening_length)
+        return max(0.0, 1.0 - loss * first - second_loss * second)
+
+
 class UnloadingLoss(SpringLaw):
     """A member that gives back less than it took: 1 - loss (1 - exp(-(d_max - d) / unloading_length))."""
 

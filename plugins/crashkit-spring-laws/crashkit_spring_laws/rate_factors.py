@@ -63,3 +63,25 @@ class RateLogarithm(SpringLaw):
     def force(d: float, ddot: float, d_max: float, rate_amplitude: float, reference_rate: float) -> float:
         """The factor."""
         return 1.0 + rate_amplitude * math.log(1.0 + max(0.0, ddot) / reference_rate)
+
+
+class RateEyring(SpringLaw):
+    """A rise with the logarithm of the rate, and a fall on the way back: max(0, 1 + A asinh(ddot / r)), after Eyring (1936).
+
+    For polymers; doi:10.1063/1.1749836. r is `reference_rate`.
+    """
+
+    name = "rate_eyring"
+    unit = "1"
+    parameters = (
+        ParameterSpec("rate_amplitude", "1", "relative rise of the force for e times the rate (A)", lower=0.0, null=0.0),
+        ParameterSpec("reference_rate", "m s-1", "rate about which the force begins to rise", lower=1e-3, upper=100.0),
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, rate_amplitude: float, reference_rate: float) -> float:
+        """The factor."""
+        rate = ddot / reference_rate
+        if rate >= 0.0:
+            return 1.0 + rate_amplitude * math.log(rate + math.sqrt(rate * rate + 1.0))
+        return max(0.0, 1.0 - rate_amplitude * math.log(math.sqrt(rate * rate + 1.0) - rate))

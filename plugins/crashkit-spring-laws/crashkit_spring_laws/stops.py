@@ -1,5 +1,7 @@
 """Forces that begin at a deformation, or end at one."""
 
+import math
+
 from crashkit.protocols import ParameterSpec, SpringLaw
 
 STOP_DEFORMATION = ParameterSpec("stop_deformation", "m", "deformation at which the stop is met", lower=0.0)
@@ -50,6 +52,27 @@ class LockingStop(SpringLaw):
         """The force, N, compression positive; a straight line where less than a twentieth of the way is left."""
         x = max(0.0, d - stop_deformation)
         return stiffness * x / (1.0 - min(x / locking_way, 0.95))
+
+
+class ExponentialStop(SpringLaw):
+    """A stop that stiffens without end: F = P (exp(x / growth_way) - 1), x = max(0, d - stop_deformation).
+
+    Beyond ten growth ways it goes on in a straight line.
+    """
+
+    name = "exponential_stop"
+    parameters = (
+        ParameterSpec("force", "N", "by which the force has risen after 0.69 growth ways (P)", lower=0.0, null=0.0),
+        STOP_DEFORMATION,
+        ParameterSpec("growth_way", "m", "way in which the slope grows by e", lower=1e-5),
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, force: float, stop_deformation: float, growth_way: float) -> float:
+        """The force, N, compression positive."""
+        x = max(0.0, d - stop_deformation) / growth_way
+        grown = math.exp(min(x, 10.0))
+        return force * (grown - 1.0 + grown * max(0.0, x - 10.0))
 
 
 class HuntCrossley(SpringLaw):

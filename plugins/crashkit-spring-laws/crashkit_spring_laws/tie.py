@@ -39,6 +39,7 @@ class Tie(SpringLaw):
             free=False,
             null=0.0,
         ),
+        ParameterSpec("stiffening", "m-1", "relative rise of k for each metre beyond the slack", 0.0, default=0.0, null=0.0),
     )
 
     @staticmethod
@@ -52,14 +53,16 @@ class Tie(SpringLaw):
         yield_force: float,
         unloading_stiffness: float,
         holds: float,
+        stiffening: float,
     ) -> float:
         """The force, N, compression positive."""
         if d >= 0.0:
             turn = d_max if unloading_stiffness > 0.0 else d
-            spring = min(yield_force, stiffness * max(0.0, turn - slack)) - unloading_stiffness * (turn - d)
+            pressed = max(0.0, turn - slack)
+            spring = min(yield_force, stiffness * pressed * (1.0 + stiffening * pressed)) - unloading_stiffness * (turn - d)
             engaged = min(1.0, max(0.0, d - slack) / 1e-3)
             total = max(0.0, spring) + damping * ddot * engaged
             return total if holds > 0.0 else max(0.0, total)
         beyond = max(0.0, -d - slack)
-        total = damping * ddot * min(1.0, beyond / 1e-3) - stiffness * beyond
+        total = damping * ddot * min(1.0, beyond / 1e-3) - stiffness * beyond * (1.0 + stiffening * beyond)
         return total if holds > 0.0 else min(0.0, total)

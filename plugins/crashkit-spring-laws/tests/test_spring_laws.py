@@ -17,6 +17,7 @@ from crashkit_spring_laws import (
     CrushPlateau,
     CrushStop,
     Dahl,
+    ExponentialStop,
     Fading,
     Folding,
     Fracture,
@@ -30,6 +31,7 @@ from crashkit_spring_laws import (
     QuadraticStop,
     QuasiLinear,
     RateCurve,
+    RateEyring,
     RateLinear,
     RateLogarithm,
     RatePower,
@@ -37,6 +39,7 @@ from crashkit_spring_laws import (
     ResidualSet,
     SmoothTable,
     Softening,
+    StepwiseSoftening,
     Tear,
     TensionSpring,
     Tie,
@@ -67,6 +70,7 @@ EXAMPLES = [
     (RateLinear, {"rate_slope": 0.02}),
     (RatePower, {"rate_amplitude": 0.3, "rate_exponent": 0.2}),
     (RateLogarithm, {"rate_amplitude": 0.1, "reference_rate": 0.5}),
+    (RateEyring, {"rate_amplitude": 0.1, "reference_rate": 0.5}),
     (Viscous, {"damping": 3e3, "clearance": 0.1}),
     (Coulomb, {"friction_force": 5e3}),
     (Coulomb, {"friction_force": 5e3, "slip_rate": 0.5, "always": 0.0, "clearance": 0.1}),
@@ -75,6 +79,7 @@ EXAMPLES = [
     (Dahl, {"friction_force": 5e3, "bristle_length": 0.05, "always": 0.0}),
     (LinearStop, {"stiffness": 1e6, "stop_deformation": 0.3}),
     (CrushStop, {"stiffness": 1e6, "stop_deformation": 0.2, "crush_length": 0.1, "release": 3.0}),
+    (ExponentialStop, {"force": 1e4, "stop_deformation": 0.3, "growth_way": 0.1}),
     (HuntCrossley, {"force": 4e4, "stop_deformation": 0.2, "exponent": 1.5, "loss": 0.3}),
     (QuadraticStop, {"coefficient": 1e6, "stop_deformation": 0.3}),
     (LockingStop, {"stiffness": 1e6, "stop_deformation": 0.3, "locking_way": 0.2}),
@@ -103,10 +108,15 @@ EXAMPLES = [
     (UnloadingLoss, {"loss": 0.4, "unloading_length": 0.05}),
     (ResidualSet, {"loss": 0.9, "residual_share": 0.6, "unloading_exponent": 1.5}),
     (Softening, {"softening_deformation": 0.3, "softening_length": 0.2, "loss": 0.7}),
+    (
+        StepwiseSoftening,
+        {"softening_deformation": 0.2, "softening_length": 0.1, "loss": 0.3, "step_way": 0.2, "second_loss": 0.2},
+    ),
     (Fading, {"fading_share": 0.6, "relaxation_time": 0.02}),
     (QuasiLinear, {"fresh_share": 0.6, "relaxation_time": 0.02, "holds": 1.0}),
     (Tie, {"stiffness": 1e6, "damping": 2e3, "slack": 0.05}),
     (Tie, {"stiffness": 1e6, "damping": 2e3, "slack": 0.05, "holds": 1.0}),
+    (Tie, {"stiffness": 1e6, "slack": 0.05, "stiffening": 2.0}),
 ]
 
 
@@ -260,6 +270,8 @@ def test_rate_factors():
     )
     assert value(RatePower, 0.1, ddot=-8.0, rate_amplitude=0.5, rate_exponent=0.3) == 1.0
     assert value(RateLogarithm, 0.1, ddot=3.0, rate_amplitude=0.1, reference_rate=1.0) == pytest.approx(1 + 0.1 * math.log(4))
+    both_ways = [value(RateEyring, 0.1, ddot=rate, rate_amplitude=0.1, reference_rate=0.5) for rate in (-3.0, 3.0, -1e9)]
+    assert both_ways == pytest.approx([1.0 - 0.1 * math.asinh(6.0), 1.0 + 0.1 * math.asinh(6.0), 0.0])
 
 
 def test_peak_comes_once():
@@ -304,6 +316,18 @@ def test_folds_have_a_shape():
     assert nearly_even == pytest.approx([value(Folding, 0.53, **folds)] * 2, abs=1e-4)
     first, third = (value(Folding, d, **folds, weakening=0.5) for d in (0.05, 0.45))
     assert third / first == pytest.approx(math.exp(-1.0))
+
+
+def test_a_stop_stiffens_without_end_and_then_in_a_straight_line():
+    stop = {"force": 1e3, "stop_deformation": 0.2, "growth_way": 0.05}
+    forces = [value(ExponentialStop, d, **stop) for d in (0.1, 0.25, 0.7, 0.75, 0.8)]
+    assert forces[:3] == pytest.approx([0.0, 1e3 * math.expm1(1.0), 1e3 * math.expm1(10.0)])
+    assert forces[4] - forces[3] == pytest.approx(forces[3] - forces[2])
+
+
+def test_a_tie_may_stiffen_either_way():
+    belt = {"stiffness": 1e5, "slack": 0.05, "stiffening": 4.0}
+    assert [value(Tie, d, **belt) for d in (-0.15, 0.03, 0.15)] == pytest.approx([-1.4e4, 0.0, 1.4e4])
 
 
 def test_a_damper_may_be_weaker_on_the_way_back():
@@ -351,6 +375,13 @@ def test_softening_takes_its_share_over_a_length_and_for_good():
     member = {"softening_deformation": 0.3, "softening_length": 0.2, "loss": 0.6}
     whole, half, all_of_it, after = (value(Softening, 0.1, d_max=deepest, **member) for deepest in (0.3, 0.4, 0.5, 0.9))
     assert [whole, half, all_of_it, after] == pytest.approx([1.0, 0.7, 0.4, 0.4])
+
+
+def test_a_member_may_tear_in_two_steps():
+    member = {"softening_deformation": 0.2, "softening_length": 0.1, "loss": 0.3, "step_way": 0.2, "second_loss": 0.2}
+    factors = [value(StepwiseSoftening, 0.1, d_max=deepest, **member) for deepest in (0.2, 0.25, 0.35, 0.45, 0.9)]
+    assert factors == pytest.approx([1.0, 0.85, 0.7, 0.6, 0.5])
+    assert value(StepwiseSoftening, 0.9, **member | {"loss": 0.9}) == 0.0
 
 
 def test_a_share_is_lost_on_the_way_back():
