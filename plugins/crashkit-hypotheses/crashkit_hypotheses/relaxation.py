@@ -1,6 +1,6 @@
 """Viscoelastic memory: part of a joint's force decays with time."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 import xarray as xr
@@ -19,7 +19,7 @@ TRACE = 1e-3
 
 
 class Relaxation(Hypothesis):
-    """F = F_law + k (d - q), q' = (d - q) / tau (Maxwell), or a share of the law's own force that fades.
+    """F = F_law + k (d - q), q' = (d - q) / tau (Maxwell), two such elements, or a share of the law's own force that fades.
 
     All of it at once, F = F_law (1 - s m), m' = (1 - m) / tau under load, or each of its changes by itself (quasi-linear),
     F = F_law + s (F_law - q), q' = (F_law - q) / tau.
@@ -44,25 +44,45 @@ class Relaxation(Hypothesis):
             "clearance": Parameter(0.0, fixed=True),
             "tension": Parameter(0.0, fixed=True),
         }
-        traces = grid(relaxing_stiffness=(trace,), relaxation_time=times)
         maxwell = [
-            parallel(
-                model,
-                joint,
-                self.physics,
-                form,
-                "maxwell",
-                {**element, "holds": Parameter(holds, fixed=True)},
-                "relaxing_stiffness",
-                traces,
+            form
+            for holding, holds in (("", 0.0), (", holding", 1.0))
+            for form in _branches(
+                model, joint, self.physics, holding, {**element, "holds": Parameter(holds, fixed=True)}, trace, times
             )
-            for form, holds in (("maxwell", 0.0), ("maxwell, holding", 1.0))
         ]
         if "fading" in joint.factors:
             return maxwell
         fading = {"fading_share": Parameter(0.0, 0.0, 1.0), "relaxation_time": time}
         share = multiplied(model, joint, self.physics, "fading", "fading", fading, "fading_share", grid(relaxation_time=times))
         return [*maxwell, share, *_quasi_linear(model, joint, self.physics, time, times)]
+
+
+def _branches(
+    model: Model,
+    joint: Joint,
+    physics: str,
+    holding: str,
+    element: Mapping[str, Parameter],
+    trace: float,
+    times: Sequence[float],
+) -> list[Proposal]:
+    """One element, and two: the first terms of a Prony series."""
+
+    def beside(what: Model, form: str, first: Sequence[float]) -> Proposal:
+        starts = grid(relaxing_stiffness=(trace,), relaxation_time=first)
+        return parallel(what, joint, physics, form, "maxwell", element, "relaxing_stiffness", starts)
+
+    one = beside(model, f"maxwell{holding}", times)
+    short, long = beside(model, "", times[:1]), beside(one.model, f"two branches{holding}", times[1:])
+    both = evolve(
+        long,
+        parameters=(*short.parameters, *long.parameters),
+        null={**short.null, **long.null},
+        starts=({**short.starts[0], **long.starts[0]},),
+        refined=True,
+    )
+    return [one, both]
 
 
 def _quasi_linear(model: Model, joint: Joint, physics: str, time: Parameter, times: Sequence[float]) -> list[Proposal]:

@@ -113,6 +113,14 @@ def relaxing(model):
     return with_joint(model, Joint("memory", ("front", "rear"), "maxwell", element))
 
 
+def relaxing_twice(model):
+    """A Prony series of two terms."""
+    for name, time in (("short", 3e-3), ("long", 0.08)):
+        element = fixed(relaxing_stiffness=4e5, relaxation_time=time, clearance=0.0, tension=0.0)
+        model = with_joint(model, Joint(name, ("front", "rear"), "maxwell", element))
+    return model
+
+
 def quasi_linear(model):
     first, own = model.joint("first"), fixed(fresh_share=0.4, relaxation_time=0.03, holds=0.0)
     changed = evolve(first, law=f"{first.law} ~ quasi_linear", parameters={**first.parameters, **own})
@@ -186,7 +194,7 @@ def stiffening(model):
 
 
 def unzipped(model):
-    steps = fixed(softening_deformation=0.2, softening_length=0.05, loss=0.15, step_way=0.5, second_loss=0.2)
+    steps = fixed(softening_deformation=0.5, softening_length=0.1, loss=0.3, step_way=0.7, second_loss=0.3)
     return with_factor(model, "first", "stepwise_softening", steps)
 
 
@@ -303,6 +311,10 @@ CASES = {
         {"loss": 0.5, "softening_deformation": 0.2, "softening_length": 0.25},
     ),
     relaxing: (("relaxation", "maxwell", {"joint": "second"}), {"relaxing_stiffness": 1e5, "relaxation_time": 0.02}),
+    relaxing_twice: (
+        ("relaxation", "two branches", {"joint": "second"}),
+        {"relaxing_stiffness": 4e5, "relaxation_time": 0.08},
+    ),
     quasi_linear: (
         ("relaxation", "quasi-linear", {"joint": "first"}),
         {"fresh_share": 0.4, "relaxation_time": 0.03},
@@ -331,7 +343,7 @@ CASES = {
     stiffening: (("bottoming", "exponential", {"joint": "first"}), {}),
     unzipped: (
         ("fracture", "in two steps", {"joint": "first"}),
-        {"loss": 0.15, "second_loss": 0.2, "softening_deformation": 0.2, "step_way": 0.5},
+        {"loss": 0.3, "second_loss": 0.3, "softening_deformation": 0.5, "step_way": 0.7},
     ),
     pulsed: (("unknown", "time", {"joint": "first"}), {}),
     weakened: (("unknown", "rate, as a factor", {"joint": "first"}), {}),
@@ -361,7 +373,7 @@ CASES = {
     drifting: (("bias", "drift", {"sensor": "rear_sensor"}), {"bias": 2.0, "bias_drift": 30.0}),
 }
 
-LATE = {absorbing, belted, pulling}
+LATE = {absorbing, belted, pulling, relaxing_twice}
 """What acts on the way back."""
 
 
