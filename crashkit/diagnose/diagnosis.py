@@ -30,7 +30,7 @@ from crashkit.protocols import Identification
 UNEXPLAINED = 1.15
 """Normalised residual above which a model is not called consistent, and a finding not the whole explanation."""
 INCOMPLETE = 0.5
-"""Share of its probability with which a claim is told that leaves more: of 23 such diagnoses of unseen cases thirteen
+"""Share of its probability with which a claim is told that leaves more: of 25 such diagnoses of unseen cases fifteen
 were right. The evidence only compares what was tried."""
 SHARPENINGS = 2
 """How often recordings are thinned anew in the light of what was fitted to them."""
