@@ -7,11 +7,11 @@ import numpy as np
 from attrs import evolve
 
 from crashkit.campaign import spread
-from crashkit.diagnose.contest import Entrant, Progress, Start, first_of_each, heats, identity
+from crashkit.diagnose.contest import Entrant, Progress, Start, first_of_each, identity
 from crashkit.diagnose.look import Round, is_unknown
 from crashkit.diagnose.name import Rival, explains, propose_all
 from crashkit.diagnose.rebuild import rebuild
-from crashkit.diagnose.search import Search, begin, begin_all
+from crashkit.diagnose.search import Search, advance_all, begin, begin_all, weighed
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
@@ -38,16 +38,15 @@ def in_best_forms(
         if explains(search) or is_unknown(look.rivals[0]):
             continue
         others = [other.rivals[0] for other in looks if other is not look]
-        forms = _forms(workshop, base_search, look.rivals[0], others, search, progress)
+        progress(f"fitting all forms of {look.rivals[0].proposal.physics}", index / len(looks))
+        forms = _forms(workshop, base_search, look.rivals[0], others, search)
         best = max((_instead(look.rivals[0], search, *form) for form in forms), key=_evidence, default=look.rivals[0])
         if best.evidence > look.rivals[0].evidence:
             looks[index], search = evolve(look, rivals=(best, *look.rivals[1:])), best.search
     return looks, search
 
 
-def _forms(
-    workshop: Workshop, base_search: Search, rival: Rival, others: Sequence[Rival], search: Search, progress: Progress
-) -> list[Entrant]:
+def _forms(workshop: Workshop, base_search: Search, rival: Rival, others: Sequence[Rival], search: Search) -> list[Entrant]:
     """Fits of a claim in all its forms, from where its present one has driven all other numbers."""
     without = rebuild(workshop, base_search, others, search)
     if without is None:
@@ -61,15 +60,15 @@ def _forms(
     ahead = spread(partial(_alone, equipped, origin), starts)
     misfits = [_with(equipped, origin, form, values) for (form, _), values in zip(starts, ahead, strict=True)]
     searches = begin_all(workshop.identifier, misfits)
-    return _fitted(list(zip((form for form, _ in starts), searches, strict=True)), progress)
+    return _fitted(list(zip((form for form, _ in starts), searches, strict=True)))
 
 
-def _fitted(entrants: Sequence[Entrant], progress: Progress) -> list[Entrant]:
+def _fitted(entrants: Sequence[Entrant]) -> list[Entrant]:
     """Each form from the best of its starts: in a common heat, those of one form that meet in one optimum take all places."""
     for most, steps in HEATS:
         ahead = first_of_each(sorted(entrants, key=lambda entrant: entrant[1].state.cost), most)
-        entrants = heats(ahead, ((len(ahead), steps),), progress)
-    return list(entrants)
+        entrants = list(zip((form for form, _ in ahead), advance_all([search for _, search in ahead], steps), strict=True))
+    return list(zip((form for form, _ in entrants), weighed([search for _, search in entrants]), strict=True))
 
 
 def _starts(form: Proposal, present: Proposal, found: Mapping[str, float]) -> Sequence[Mapping[str, float]]:

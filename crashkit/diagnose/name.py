@@ -193,8 +193,8 @@ def _polished(
 ) -> list[Entrant]:
     """Every form of the leading claims, and of all claims where an unknown force leads to, searched from many starts.
 
-    The winner has not reached the noise floor, and another form of its own or of its closest rivals may only have been caught
-    in a local optimum.
+    The winner has not reached the noise floor, or is an estimate. Another form of its own, or of its closest rivals, may only
+    have been caught in a local optimum.
     """
     forms = [p for p in proposals if p.physics != UNKNOWN and _leads(p, ranked)]
     starts: list[Start] = []
