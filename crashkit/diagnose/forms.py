@@ -7,6 +7,7 @@ import numpy as np
 from attrs import evolve
 
 from crashkit.campaign import spread
+from crashkit.diagnose.alike import most_alike
 from crashkit.diagnose.contest import Entrant, Progress, Start, first_of_each, identity
 from crashkit.diagnose.look import Round, is_unknown
 from crashkit.diagnose.name import Rival, explains, propose_all
@@ -57,7 +58,7 @@ def _forms(workshop: Workshop, base_search: Search, rival: Rival, others: Sequen
         return []
     equipped = workshop.equipped([form.model for form in forms])
     starts = [(form, {**form.null, **start}) for form in forms for start in _starts(form, rival.proposal, found)]
-    ahead = spread(partial(_alone, equipped, origin), starts)
+    ahead = spread(partial(_alone, equipped, origin, search.fitted()), starts)
     misfits = [_with(equipped, origin, form, values) for (form, _), values in zip(starts, ahead, strict=True)]
     searches = begin_all(workshop.identifier, misfits)
     return _fitted(list(zip((form for form, _ in starts), searches, strict=True)))
@@ -76,15 +77,30 @@ def _starts(form: Proposal, present: Proposal, found: Mapping[str, float]) -> Se
     return [*form.starts, found] if form.form == present.form else form.starts
 
 
-def _alone(workshop: Workshop, origin: Misfit, start: Start) -> Mapping[str, float]:
-    """Where a form's own numbers go while all others stay: first as far as the first instants tell them, then all."""
+def _alone(workshop: Workshop, origin: Misfit, present: Misfit, start: Start) -> Mapping[str, float]:
+    """Where a form's own numbers go while all others stay: as far as the first instants tell them, and on; or all at once.
+
+    Where the bodies are the same, also from where it acts most like the present form.
+    """
     form, values = start
-    slices = [early for early in (origin.coarse.up_to(share) for share in SHARES) if early.groups]
-    for early in slices:
-        misfit = _with(workshop, early, form, values)
-        alone = misfit.with_values({}, free={name: name in form.parameters for name in misfit.names})
-        values = alone.values(begin(workshop.identifier, alone).advance(ALONE).point)
-    return values
+    routes = [(values, SHARES), (values, SHARES[-1:])]
+    if {body.name for body in form.model.bodies} == {body.name for body in present.model.bodies}:
+        other = _with(workshop, origin, form, values)
+        routes.append((most_alike(present, other, form.parameters, workshop.laws), SHARES[-1:]))
+    ends = [_along(workshop, origin, (form, begun), route) for begun, route in routes]
+    return min(ends, key=lambda end: end[1])[0]
+
+
+def _along(workshop: Workshop, origin: Misfit, start: Start, route: Sequence[float]) -> tuple[Mapping[str, float], float]:
+    """The numbers at the end, and what they leave there."""
+    (form, values), cost = start, np.inf
+    for early in (origin.coarse.up_to(share) for share in route):
+        if early.groups:
+            misfit = _with(workshop, early, form, values)
+            alone = misfit.with_values({}, free={name: name in form.parameters for name in misfit.names})
+            search = begin(workshop.identifier, alone).advance(ALONE)
+            values, cost = alone.values(search.point), search.state.cost
+    return values, cost
 
 
 def _with(workshop: Workshop, origin: Misfit, form: Proposal, values: Mapping[str, float]) -> Misfit:

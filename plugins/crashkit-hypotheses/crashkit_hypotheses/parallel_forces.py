@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 import xarray as xr
+from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
@@ -46,13 +47,16 @@ class ViscousDamping(Hypothesis):
         power = {**damping, "exponent": Parameter(0.7, 0.2, 3.0)}
         two_way = {**damping, "exponent": Parameter(1.0, fixed=True), "rebound": Parameter(1.0, 0.0, 10.0)}
         powers, rebounds = grid(exponent=(0.6, 2.0)), grid(rebound=(0.4, 2.5))
-        return [
+        plain = [
             parallel(model, joint, self.physics, "linear", "viscous", damping, "damping"),
             parallel(model, joint, self.physics, "power", "viscous_power", power, "damping", powers),
             parallel(model, joint, self.physics, "power, always", "viscous_power", power | always, "damping", powers),
+        ]
+        fine = [
             parallel(model, joint, self.physics, "two-way", "viscous_power", two_way, "damping", rebounds),
             parallel(model, joint, self.physics, "two-way, always", "viscous_power", two_way | always, "damping", rebounds),
         ]
+        return [*plain, *(evolve(form, refined=True) for form in fine)]
 
 
 class JointFriction(Hypothesis):

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 import xarray as xr
+from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
@@ -39,7 +40,8 @@ class Tension(Hypothesis):
             return []
         pull = {"tension": Parameter(1.0, fixed=True), "tension_force": Parameter(0.0, 0.0, largest)}
         starts = grid(tension_force=(0.0, 0.1 * largest, 0.4 * largest))
-        return [changed(model, joint, self.physics, "own line, to a limit", pull, "tension_force", starts)]
+        limited = changed(model, joint, self.physics, "own line, to a limit", pull, "tension_force", starts)
+        return [evolve(limited, refined=True)]
 
     def _strap(self, model: Model, joint: Joint, stretch: float) -> Proposal:
         strap = {"stiffness": Parameter(0.0, 0.0, 1e9), "slack": Parameter(0.0, 0.0, stretch)}

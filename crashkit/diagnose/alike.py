@@ -1,0 +1,66 @@
+"""The numbers with which one form of a claim acts most like another: compared as forces along a motion, without simulating."""
+
+from collections.abc import Collection, Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+from attrs import evolve
+from scipy.optimize import least_squares
+
+from crashkit.mechanics.along import forces_along
+from crashkit.misfit import Misfit
+from crashkit.model import Model
+from crashkit.protocols import SpringLaw
+
+INSTANTS = 60
+"""Of each run."""
+EVALUATIONS = 20
+
+Laws = Mapping[str, type[SpringLaw]]
+
+
+def most_alike(present: Misfit, other: Misfit, names: Sequence[str], laws: Laws) -> Mapping[str, float]:
+    """Values of some of another model's numbers, so that its forces are those of the present one where that moves.
+
+    minimise sum |F_other(x, v) - F_present(x, v)|^2 over all bodies and instants of the present model's motion, within bounds.
+    It has one valley where the misfit has many: no force moves what it acts on.
+
+    Arguments:
+        present, other: misfits of models of the same bodies, at their values.
+        names: paths of the numbers that may move.
+    """
+    pairs = {
+        frozenset(joint.bodies) for joint in other.model.joints if any(n.startswith(f"joint.{joint.name}.") for n in names)
+    }
+    motions = [_thinned(present.predictor.motion(run, present.values(present.start()))) for run in present.recordings]
+    wanted = _forces(_between(present.model, pairs), laws, motions)
+    start, (lower, upper) = other.start(), other.bounds()
+    moving = [other.names.index(name) for name in names]
+    if not np.any(wanted):
+        return other.values(start)
+
+    def values(point: np.ndarray) -> dict[str, float]:
+        scaled = start.copy()
+        scaled[moving] = point
+        return other.values(scaled)
+
+    def difference(point: np.ndarray) -> np.ndarray:
+        model = _between(other.model.with_values(values(point)), pairs)
+        return (_forces(model, laws, motions) - wanted) / np.linalg.norm(wanted)
+
+    bounds = lower[moving], upper[moving]
+    found = least_squares(difference, np.clip(start[moving], *bounds), bounds=bounds, x_scale="jac", max_nfev=EVALUATIONS)
+    return values(found.x)
+
+
+def _between(model: Model, pairs: Collection[frozenset[str]]) -> Model:
+    """The model with only the joints between these bodies, of which alone the forces can differ."""
+    return evolve(model, joints=tuple(joint for joint in model.joints if frozenset(joint.bodies) in pairs))
+
+
+def _thinned(motion: xr.Dataset) -> xr.Dataset:
+    return motion.isel(time=np.unique(np.linspace(0, motion.sizes["time"] - 1, INSTANTS).astype(int)))
+
+
+def _forces(model: Model, laws: Laws, motions: Sequence[xr.Dataset]) -> np.ndarray:
+    return np.concatenate([forces_along(model, laws, motion)["contact_force"].values.ravel() for motion in motions])
