@@ -120,8 +120,11 @@ def fit_rivals(
         rough = promising(scores(workshop, given.coarse, plain, np.inf, progress), STARTS, LEAST_PROMISE)
         fitted += heats(scouted(workshop, given, rough, GROWING, HEATS[0][0], astray), HEATS, progress)
     ranked = _ranked(fitted, deviance)
-    if ranked and (ranked[0].search.normalised > FLOOR or ranked[0].proposal.physics == UNKNOWN):
+    if ranked and ranked[0].search.normalised > FLOOR:
         ranked = _ranked([*fitted, *_polished(workshop, given, ranked, proposals, astray, progress)], deviance)
+    elif ranked and ranked[0].proposal.physics == UNKNOWN:
+        better = [one for one in _polished(workshop, given, ranked, proposals, astray, progress) if _beats(one, ranked[0])]
+        ranked = _ranked([*fitted, *better], deviance)
     return ranked, _limits(scored)
 
 
@@ -207,6 +210,11 @@ def _polished(
         misfits = [misfit for one in origins for misfit in scattered(one, SCATTERED // len(origins))]
         starts += [(proposal, misfit.values(misfit.start())) for misfit in misfits]
     return heats(scouted(workshop, given, starts, GROWING, POLISHING[0][0], astray), POLISHING, progress)
+
+
+def _beats(entrant: Entrant, table: Rival) -> bool:
+    """An estimate that reaches the noise gives way to what leaves less: of many fine forms, some nearly imitate any force."""
+    return entrant[1].deviance < table.search.deviance
 
 
 def _leads(proposal: Proposal, ranked: Sequence[Rival]) -> bool:
