@@ -209,31 +209,8 @@ def test_a_factor_multiplies_one_of_them():
 def test_signs_bind_in_their_order():
     law = BOOK["coulomb | crush_plateau + peak * rate_linear"]
     assert [part.name for part in law.parts] == ["coulomb", "crush_plateau", "peak", "rate_linear"]
-    force = law.force(
-        0.01,
-        1.0,
-        0.01,
-        3e3,
-        0.05,
-        1.0,
-        1e-3,
-        0.0,
-        1.0,
-        0.0,
-        ALPHA,
-        DELTA,
-        GAMMA,
-        BETA,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        P,
-        PEAK,
-        1.0,
-        0.5,
-    )
+    friction, member = (3e3, 0.05, 1.0, 1e-3, 0.0, 1.0, 0.0), (ALPHA, DELTA, GAMMA, BETA, 0.0, 0.0, 0.0, 0.0, 0.0)
+    force = law.force(0.01, 1.0, 0.01, *friction, *member, P, PEAK, 1.0, 0.5)
     assert force == pytest.approx(3e3 * math.tanh(20.0) + 1.5 * (plateau(0.01) + peak(0.01)))
 
 
