@@ -23,7 +23,7 @@ def most_alike(present: Misfit, other: Misfit, names: Sequence[str], laws: Laws)
     """Values of some of another model's numbers, so that its forces are those of the present one where that moves.
 
     minimise sum |F_other(x, v) - F_present(x, v)|^2 over all bodies and instants of the present model's motion, within bounds.
-    It has one valley where the misfit has many: no force moves what it acts on.
+    No force moves what it acts on here, so that a threshold that is off does not spoil everything after it.
 
     Arguments:
         present, other: misfits of models of the same bodies, at their values.

@@ -24,8 +24,7 @@ RELEASE = 5.0
 
 
 class MissingContact(Hypothesis):
-    """A joint between two bodies that have none: F = k x with x = max(0, d - gap), c x^2, P x^n (1 + c ddot), or one that
-    stays crushed."""
+    """A joint between two bodies that have none: F = k x, c x^2 or P x^n (1 + c ddot), x = max(0, d - gap), or a crushed one."""
 
     physics: ClassVar[str] = "missing_contact"
     sentence: ClassVar[str] = "{place} touch, which the model does not know"
