@@ -24,7 +24,7 @@ RELEASE = 5.0
 
 
 class MissingContact(Hypothesis):
-    """A joint between two bodies that have none: F = k x, c x^2 or P x^n (1 + c ddot), x = max(0, d - gap), or a crushed one."""
+    """A joint between two bodies that have none: F = k x, c x^2 or P x^n (1 + c ddot), x = max(0, d - gap), or one crushed."""
 
     physics: ClassVar[str] = "missing_contact"
     sentence: ClassVar[str] = "{place} touch, which the model does not know"
