@@ -54,6 +54,7 @@ def workshop(
     registry: Registry | None = None,
     method: str = "sensitivity",
     finder: str = "multi_start",
+    starter: str = "quick_state_form",
     smoother: str = "gcv_quintic",
 ) -> Workshop:
     """The installed plugins, ready for a diagnosis."""
@@ -65,6 +66,7 @@ def workshop(
         registry.smoother(smoother)(),
         registry.identifier(method)(),
         registry.identifier(finder)(),
+        registry.identifier(starter)(),
     )
 
 

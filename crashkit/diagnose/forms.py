@@ -40,14 +40,16 @@ def in_best_forms(
             continue
         others = [other.rivals[0] for other in looks if other is not look]
         progress(f"fitting all forms of {look.rivals[0].proposal.physics}", index / len(looks))
-        forms = _forms(workshop, base_search, look.rivals[0], others, search)
-        best = max((_instead(look.rivals[0], search, *form) for form in forms), key=_evidence, default=look.rivals[0])
+        forms = in_all_forms(workshop, base_search, look.rivals[0], others, search)
+        best = max((instead(look.rivals[0], search, *form) for form in forms), key=_evidence, default=look.rivals[0])
         if best.evidence > look.rivals[0].evidence:
             looks[index], search = evolve(look, rivals=(best, *look.rivals[1:])), best.search
     return looks, search
 
 
-def _forms(workshop: Workshop, base_search: Search, rival: Rival, others: Sequence[Rival], search: Search) -> list[Entrant]:
+def in_all_forms(
+    workshop: Workshop, base_search: Search, rival: Rival, others: Sequence[Rival], search: Search
+) -> list[Entrant]:
     """Fits of a claim in all its forms, from where its present one has driven all other numbers."""
     without = rebuild(workshop, base_search, others, search)
     if without is None:
@@ -108,7 +110,7 @@ def _with(workshop: Workshop, origin: Misfit, form: Proposal, values: Mapping[st
     return misfit.with_values({name: value for name, value in values.items() if name in form.parameters})
 
 
-def _instead(rival: Rival, search: Search, proposal: Proposal, found: Search) -> Rival:
+def instead(rival: Rival, search: Search, proposal: Proposal, found: Search) -> Rival:
     """A form in place of another that left more or needed more numbers."""
     gained = search.deviance - found.deviance
     price = (len(proposal.parameters) - len(rival.proposal.parameters)) * np.log(search.misfit.independent_samples)

@@ -55,6 +55,7 @@ def look_again(
     found: Sequence[Rival],
     progress: Progress,
     concerns: Callable[[Proposal, Model], bool] | None = None,
+    quick: bool = False,
 ) -> Round:
     """Every hypothesis that has not been found already, at the places of the given model, against what is left.
 
@@ -62,13 +63,14 @@ def look_again(
 
     Arguments:
         concerns: which proposals, built on the current model, are to be looked at; None: all.
+        quick: whether the leading claims are left as they were found first.
     """
     known = {rival.identity for rival in found}
     everything = [p for p in propose_all(workshop.hypotheses, current) if concerns is None or concerns(p, current.model)]
     proposals = [p for p in everything if identity(p) not in known and _is_given(given.model, p.location)]
     equipped = workshop.equipped([p.model for p in proposals])
     afresh = not found or concerns is not None
-    ranked, limits = fit_rivals(equipped, current, current.with_values_of(given), proposals, afresh, progress)
+    ranked, limits = fit_rivals(equipped, current, current.with_values_of(given), proposals, afresh, quick, progress)
     best = best_forms(ranked)
     chances, nothing = probabilities(best, len({identity(p) for p in proposals}))
     return Round(tuple(best), tuple(chances.tolist()), nothing, current, _least_drop(found), tuple(limits))

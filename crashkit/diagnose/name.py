@@ -1,15 +1,29 @@
 """Name the physics: every hypothesis at every place is scored, the promising ones are fitted, the fitted ones are ranked."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 from attrs import frozen
 
-from crashkit.diagnose.contest import GROWING, Entrant, Progress, Start, heats, identity, promising, scores, scouted
-from crashkit.diagnose.reidentify import reidentify, scattered
+from crashkit.campaign import spread
+from crashkit.diagnose.contest import (
+    GROWING,
+    Entrant,
+    Progress,
+    Start,
+    first_of_each,
+    heats,
+    identity,
+    promising,
+    scores,
+    scouted,
+)
+from crashkit.diagnose.regress import regressed
+from crashkit.diagnose.reidentify import best_of_many, reidentify, scattered
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.score import Score
-from crashkit.diagnose.search import Search, begin
+from crashkit.diagnose.search import Search, begin, begin_all
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Hypothesis, Proposal
@@ -31,6 +45,10 @@ GENUINE = 0.95
 more closely than a known law whose form is slightly off."""
 IMITATING = 0.85
 """The same while it leaves something unexplained."""
+LOST = 2.0
+"""Normalised residual of the best claim above which none has come near."""
+LEADING = 8
+"""How many claims are then fitted from many starts."""
 POLISHED = 2
 """How many of the leading claims are then searched again."""
 SCATTERED = 6
@@ -93,7 +111,13 @@ def propose_all(hypotheses: Mapping[str, type[Hypothesis]], base: Misfit) -> lis
 
 
 def fit_rivals(
-    workshop: Workshop, base: Misfit, given: Misfit, proposals: Sequence[Proposal], afresh: bool, progress: Progress
+    workshop: Workshop,
+    base: Misfit,
+    given: Misfit,
+    proposals: Sequence[Proposal],
+    afresh: bool,
+    quick: bool,
+    progress: Progress,
 ) -> tuple[list[Rival], list[Limit]]:
     """The fitted hypotheses, the most evident first, and of each claim the smallest effect that would have been seen.
 
@@ -102,6 +126,7 @@ def fit_rivals(
         given: the same at the values that the user gave.
         proposals: all of them built on that model.
         afresh: whether they are also fitted from the given values, where the base may hide physics.
+        quick: whether the leading claims are left as they were found first.
         progress: told what is being done and how far it is (0 to 1).
     """
     residual = base.residual(base.start())
@@ -118,14 +143,46 @@ def fit_rivals(
         fitted += _leader_again(workshop, given, _ranked(fitted, deviance), progress)
     if hides and not any(explains(search) for _, search in fitted):
         rough = promising(scores(workshop, given.coarse, plain, np.inf, progress), STARTS, LEAST_PROMISE)
-        fitted += heats(scouted(workshop, given, rough, GROWING, HEATS[0][0], astray), HEATS, progress)
+        fitted += regressed(workshop, given, first_of_each(rough, 1), progress)
+    if hides and not any(explains(search) for _, search in fitted):
+        ahead = scouted(workshop, given, rough, GROWING, HEATS[0][0], astray)
+        fitted += heats(ahead, HEATS, progress)
+        if min(search.normalised for _, search in fitted) > LOST:
+            fitted += _from_many(workshop, given, ahead, plain, progress)
     ranked = _ranked(fitted, deviance)
-    if ranked and ranked[0].search.normalised > FLOOR:
+    if quick or not ranked:
+        return ranked, _limits(scored)
+    if ranked[0].search.normalised > FLOOR:
         ranked = _ranked([*fitted, *_polished(workshop, given, ranked, proposals, astray, progress)], deviance)
-    elif ranked and ranked[0].proposal.physics == UNKNOWN:
+    elif ranked[0].proposal.physics == UNKNOWN:
         better = [one for one in _polished(workshop, given, ranked, proposals, astray, progress) if _beats(one, ranked[0])]
         ranked = _ranked([*fitted, *better], deviance)
     return ranked, _limits(scored)
+
+
+def _from_many(
+    workshop: Workshop, given: Misfit, ahead: Sequence[Entrant], proposals: Sequence[Proposal], progress: Progress
+) -> list[Entrant]:
+    """Every form of the known claims that quick searches leave ahead, with the model's own numbers scattered about the given.
+
+    Where nothing comes near, it is in the valleys of those numbers that all searches end.
+    """
+    quick = sorted(ahead, key=lambda entrant: entrant[1].state.cost)
+    claims = list(dict.fromkeys(identity(proposal) for proposal, _ in quick if proposal.physics != UNKNOWN))[:LEADING]
+    forms = [proposal for proposal in proposals if identity(proposal) in claims]
+    misfits = [_begun(workshop, given, form, quick) for form in forms]
+    progress(f"fitting {len(forms)} forms from many starts", 0.0)
+    points = spread(partial(best_of_many, workshop.identifier), misfits)
+    ends = [misfit.with_values(misfit.values(point)) for misfit, point in zip(misfits, points, strict=True)]
+    return heats(list(zip(forms, begin_all(workshop.identifier, ends), strict=True)), POLISHING[1:], progress)
+
+
+def _begun(workshop: Workshop, given: Misfit, form: Proposal, quick: Sequence[Entrant]) -> Misfit:
+    """A form at its own values from the best of the quick searches, if it was among them, and else at a start."""
+    found = next((search for proposal, search in quick if proposal is form), None)
+    values = found.misfit.values(found.point) if found else form.starts[0]
+    misfit = workshop.misfit(given, form.model).with_values_of(given)
+    return misfit.with_values({name: value for name, value in values.items() if name in form.parameters})
 
 
 def _leader_again(workshop: Workshop, given: Misfit, ranked: Sequence[Rival], progress: Progress) -> list[Entrant]:

@@ -5,7 +5,9 @@ from collections.abc import Sequence
 from attrs import field, frozen
 
 from crashkit.diagnose.aside import Suspect, suspects, without
+from crashkit.diagnose.beginnings import begun_otherwise
 from crashkit.diagnose.contest import Progress
+from crashkit.diagnose.exchange import exchanged
 from crashkit.diagnose.forms import in_best_forms
 from crashkit.diagnose.look import Round, is_unknown, look_again, settled
 from crashkit.diagnose.name import FLOOR, Rival
@@ -79,10 +81,25 @@ def _beside(
 
 
 def _discovered(workshop: Workshop, given: Misfit, base_search: Search, progress: Progress) -> Discovery:
-    """Round after round, with everything in sight."""
-    base_search, look = _first_look(workshop, given, base_search, progress)
-    rounds, look = named_before_unknown(workshop, given, base_search, look, progress)
-    search = base_search
+    """Round after round, with everything in sight; begun otherwise where that leaves something."""
+    base_search, first = _first_look(workshop, given, base_search, progress)
+    rounds, look = named_before_unknown(workshop, given, base_search, first, progress)
+    found, last = _followed(workshop, given, base_search, rounds, look, progress)
+    if not found.rounds or _is_estimated(found.rounds) or found.search.normalised < FLOOR:
+        return found
+    least = min([found.search.deviance, *(rival.search.deviance for rival in last.rivals[:1])])
+    beginning = begun_otherwise(workshop, given, base_search, first, least, progress)
+    if beginning is None:
+        return found
+    other, _ = _followed(workshop, given, base_search, [beginning[0]], beginning[1], progress)
+    return min(found, other, key=lambda one: one.search.deviance)
+
+
+def _followed(
+    workshop: Workshop, given: Misfit, base_search: Search, begun: Sequence[Round], look: Round, progress: Progress
+) -> tuple[Discovery, Round]:
+    """What is found from a beginning on, and the last look."""
+    rounds, search = list(begun), base_search
     while look.winner is not None and not _corrects(look.winner, rounds):
         rounds.append(settled(workshop, given, look, look.winner, progress))
         rounds, search = in_best_forms(workshop, base_search, rounds, rounds[-1].rivals[0].search, progress)
@@ -90,10 +107,11 @@ def _discovered(workshop: Workshop, given: Misfit, base_search: Search, progress
             break
         look = look_again(workshop, given, search.fitted(), [r.rivals[0] for r in rounds], progress)
     if len(rounds) > 1:
+        rounds, search = exchanged(workshop, given, base_search, rounds, search, look) or (rounds, search)
         rounds, search = _reconsider(workshop, given, base_search, rounds, search, progress)
         rounds, search = in_best_forms(workshop, base_search, rounds, search, progress)
     last = look if look.winner is None else None
-    return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds), last)
+    return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds), last), look
 
 
 def _first_look(workshop: Workshop, given: Misfit, base_search: Search, progress: Progress) -> tuple[Search, Round]:
@@ -140,7 +158,8 @@ def _reconsider(
             continue
         look = look_again(workshop, given, without.fitted(), [one.rivals[0] for one in rest], progress)
         if look.winner is None or _corrects(look.winner, rest):
-            looks, search = rest, without
+            if without.deviance < search.deviance + look.least:
+                looks, search = rest, without
         elif look.winner.search.deviance < search.deviance + TIE:
             looks, search = [*rest[:place], look, *rest[place:]], look.winner.search
     return looks, search

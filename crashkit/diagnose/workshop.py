@@ -16,7 +16,8 @@ from crashkit.protocols import Hypothesis, Identifier, Observer, Smoother, Sprin
 
 @frozen
 class Workshop:
-    """The plugins by name, an identifier for every fit, one that looks everywhere for a first, the engine and its step, s."""
+    """The plugins by name, an identifier for every fit, one that looks everywhere for a first, one that needs no simulation to
+    find a start, the engine and its step, s."""
 
     laws: Mapping[str, type[SpringLaw]]
     observers: Mapping[str, type[Observer]]
@@ -24,6 +25,7 @@ class Workshop:
     smoother: Smoother
     identifier: Identifier[Any]
     finder: Identifier[Any]
+    starter: Identifier[Any]
     engine: Engine | None = field(default=None)
     step: float = STEP
 

@@ -39,7 +39,7 @@ class Channel:
         return self.samples / self.noise.correlation
 
 
-@frozen
+@frozen(eq=False)
 class Group:
     """One instrument of one run, with its samples as (time, column) and one column for each channel."""
 

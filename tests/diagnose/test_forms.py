@@ -80,7 +80,7 @@ def test_a_fine_form_waits_until_a_plain_one_leaves_something(workshop, base, pr
     for factor, numbers, is_tried in (("rate_power", POWER, False), ("rate_eyring", BOTH_WAYS, True)):
         without = base(factor, numbers)
         fitted = without.fitted()
-        ranked, _ = fit_rivals(workshop, fitted, fitted, proposed(without, "rate_dependence"), True, silent)
+        ranked, _ = fit_rivals(workshop, fitted, fitted, proposed(without, "rate_dependence"), True, False, silent)
         plain = [rival for rival in ranked if not rival.proposal.refined]
         assert (min(rival.search.normalised for rival in plain) > 1.05) is is_tried
         assert any(rival.proposal.form == "both ways" for rival in ranked) is is_tried

@@ -1,4 +1,4 @@
-"""Two named causes instead of one table: whose round comes first, and when the table stays."""
+"""Named causes instead of a table: in a better form, or two; whose round comes first, and when the table stays."""
 
 from types import SimpleNamespace
 
@@ -24,12 +24,18 @@ def won_by(*rivals):
 
 @pytest.fixture
 def named(monkeypatch):
-    """What stands in the place of a round that a table won, where later looks are these and a claim alone fits so well."""
+    """What stands in the place of a round that a table won, where later looks are these, a claim alone fits so well, and the
+    best named cause in its best form so well."""
 
-    def ask(look, later, alone=3000.0):
+    def ask(look, later, alone=3000.0, formed=None):
+        def better(rounds):
+            found = rival(rounds[0].rivals[0].proposal.physics, formed) if formed else rounds[0].rivals[0]
+            return [evolve(rounds[0], rivals=(found, *rounds[0].rivals[1:]))]
+
         looks = iter(later)
         monkeypatch.setattr(pairs, "look_again", lambda *_: next(looks))
         monkeypatch.setattr(pairs, "settled", lambda workshop, given, look, winner, progress: look)
+        monkeypatch.setattr(pairs, "in_best_forms", lambda workshop, base, rounds, search, progress: (better(rounds), search))
         monkeypatch.setattr(pairs, "rebuild", lambda workshop, base, rivals, last: rival("alone", alone).search)
         first, then = pairs.named_before_unknown(None, None, None, look, None)
         return [one.rivals[0].proposal.physics for one in first], then.rivals[0].proposal.physics
@@ -67,6 +73,12 @@ def test_otherwise_the_table_stays(named, later):
     assert named(won_by(TABLE, rival("carried_load", 2000.0)), later) == ([], UNKNOWN)
 
 
+@pytest.mark.parametrize("normalised", [1.0, 1.5])
+def test_one_named_cause_that_fits_better_once_it_has_its_best_form(named, normalised):
+    look = won_by(rival(UNKNOWN, 1000.0, normalised), rival("fracture", 2000.0))
+    assert named(look, [], formed=990.0) == ([], "fracture")
+
+
 def test_a_table_at_the_noise_is_believed(named):
     look = won_by(rival(UNKNOWN, 1000.0, normalised=1.0), rival("fracture", 2000.0))
-    assert named(look, []) == ([], UNKNOWN)
+    assert named(look, [], formed=1010.0) == ([], UNKNOWN)

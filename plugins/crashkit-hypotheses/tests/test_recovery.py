@@ -87,7 +87,7 @@ def found(model, workshop, recorded):
         motion = [base.predictor.motion(run, base.values(base.start())) for run in base.recordings]
         proposals = workshop.hypotheses[physics]().propose(base.model, motion, list(base.recordings.values()))
         equipped = workshop.equipped([proposal.model for proposal in proposals])
-        ranked, _ = fit_rivals(equipped, base, given, proposals, True, silent)
+        ranked, _ = fit_rivals(equipped, base, given, proposals, True, False, silent)
         look = Round(tuple(ranked), (1.0,), 0.0, base)
         (look,), search = in_best_forms(equipped, begin(workshop.identifier, base), [look], ranked[0].search, silent)
         proposal, search = look.rivals[0].proposal, search.advance(40)

@@ -11,7 +11,7 @@ from crashkit_identifiers.multi_start import MultiStart
 from crashkit_identifiers.optimal_control import OptimalControl
 from crashkit_identifiers.optimal_filter import OptimalFilter
 from crashkit_identifiers.sensitivity import Sensitivity
-from crashkit_identifiers.state_form import StateFormRegression
+from crashkit_identifiers.state_form import QuickRegression, StateFormRegression
 from crashkit_identifiers.substructuring import Substructuring
 
 
@@ -26,6 +26,7 @@ def crashkit_identifiers() -> list[type[Identifier[Any]]]:
         OptimalFilter,
         IntegralFilter,
         StateFormRegression,
+        QuickRegression,
         Chebyshev,
         Substructuring,
     ]

@@ -1,6 +1,7 @@
 """The motion that the instruments of a run saw: for each body one spline through all its film and accelerometers."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
 
 import numpy as np
 import xarray as xr
@@ -9,6 +10,7 @@ from attrs import frozen
 from crashkit.errors import CrashkitError
 from crashkit.misfit import Group, Misfit
 from crashkit.misfit.predictor import initial_state
+from crashkit.model import Body
 from crashkit_identifiers.measured_rotation import rotation_curves
 from crashkit_identifiers.spline import Reading, enough, smoothed
 
@@ -39,18 +41,27 @@ def measured_motion(misfit: Misfit, run: str) -> xr.Dataset:
         instrument saw; in several axes, which are then all three, also `orientation` (time, body, quaternion),
         `angular_velocity`, `angular_acceleration` and `angular_acceleration_std`; `seen` (body), whether all of that is known.
     """
-    model, times = misfit.model, instants(misfit, run)
-    found = list(_found(misfit, run))
-    axes = model.axes if len(model.axes) == 1 else XYZ
+    model, groups = misfit.model, tuple(group for group in misfit.groups if group.run == run)
+    return _measured(groups, tuple(_initial(misfit, run)), model.bodies, model.axes)
+
+
+@lru_cache(maxsize=32)
+def _measured(
+    groups: tuple[Group, ...], initial: tuple["_Initial", ...], bodies: tuple[Body, ...], model_axes: tuple[str, ...]
+) -> xr.Dataset:
+    """Remembered, because many models are tried on the same readings."""
+    times = _instants(groups)
+    found = [*_found(groups), *(one.reading for one in initial)]
+    axes = model_axes if len(model_axes) == 1 else XYZ
     parts = []
-    for body in model.bodies:
+    for body in bodies:
         own = [reading for reading in found if reading.body == body.name]
-        position = dict(zip(model.axes, body.position, strict=True))
-        still = {axis: position.get(axis, 0.0) if body.fixed or axis not in model.axes else None for axis in axes}
+        position = dict(zip(model_axes, body.position, strict=True))
+        still = {axis: position.get(axis, 0.0) if body.fixed or axis not in model_axes else None for axis in axes}
         columns = [_curves([r.reading for r in own if r.axis == axis], times, still[axis]) for axis in axes]
         arrays = {name: np.column_stack([column[name] for column in columns]) for name in columns[0]}
         if len(axes) == 3:
-            arrays |= rotation_curves([(r.reading.times, r.quaternions) for r in own if r.axis == ""], times, body, model.axes)
+            arrays |= rotation_curves([(r.reading.times, r.quaternions) for r in own if r.axis == ""], times, body, model_axes)
         parts.append(arrays)
     variables = {
         name: (
@@ -61,7 +72,7 @@ def measured_motion(misfit: Misfit, run: str) -> xr.Dataset:
         for name in parts[0]
     }
     seen = [all(np.isfinite(values).any() for values in part.values()) for part in parts]
-    coords = {"time": times, "body": [body.name for body in model.bodies], "axis": list(axes)}
+    coords = {"time": times, "body": [body.name for body in bodies], "axis": list(axes)}
     return xr.Dataset({**variables, "seen": ("body", seen)}, coords)
 
 
@@ -94,7 +105,11 @@ def thinned(motion: xr.Dataset, count: int) -> xr.Dataset:
 
 def instants(misfit: Misfit, run: str) -> np.ndarray:
     """Every instant from t = 0 at which an instrument of the run reads something."""
-    stamps = np.concatenate([[0.0], *(group.times for group in misfit.groups if group.run == run)])
+    return _instants([group for group in misfit.groups if group.run == run])
+
+
+def _instants(groups: Sequence[Group]) -> np.ndarray:
+    stamps = np.concatenate([[0.0], *(group.times for group in groups)])
     stamps = np.unique(stamps[stamps >= 0.0])
     return stamps[np.concatenate([[True], np.diff(stamps) > SAME_INSTANT])]
 
@@ -109,8 +124,23 @@ class _Found:
     quaternions: np.ndarray = np.empty((0, 4))
 
 
-def _found(misfit: Misfit, run: str) -> Iterator[_Found]:
-    for group in (g for g in misfit.groups if g.run == run):
+@frozen
+class _Initial:
+    """One number of the state at t = 0, and what it is."""
+
+    body: str
+    axis: str
+    quantity: str
+    value: float
+
+    @property
+    def reading(self) -> _Found:
+        known = Reading(ORDERS[self.quantity], np.zeros(1), np.full(1, self.value), INITIAL[self.quantity])
+        return _Found(self.body, self.axis, known)
+
+
+def _found(groups: Sequence[Group]) -> Iterator[_Found]:
+    for group in groups:
         seen = group.observer.reconstruct(group.dataset)
         late = group.times >= 0.0
         for quantity in (name for name in ORDERS if name in seen):
@@ -123,7 +153,6 @@ def _found(misfit: Misfit, run: str) -> Iterator[_Found]:
                 turns = seen["orientation"].sel(body=body).transpose("time", "quaternion").values
                 keep = late & np.isfinite(turns).all(axis=1)
                 yield _Found(body, "", Reading(0, group.times[keep], np.empty(0), 1.0), turns[keep])
-    yield from _initial(misfit, run)
 
 
 def _reading(group: Group, quantity: str, body: str, axis: str, values: np.ndarray) -> Reading:
@@ -138,15 +167,14 @@ def _reading(group: Group, quantity: str, body: str, axis: str, values: np.ndarr
     return Reading(ORDERS[quantity], group.times[keep], values[keep], std)
 
 
-def _initial(misfit: Misfit, run: str) -> Iterator[_Found]:
+def _initial(misfit: Misfit, run: str) -> Iterator[_Initial]:
     state = initial_state(misfit.recordings[run], misfit.model)
     if state is None:
         return
-    for name, std in INITIAL.items():
+    for name in INITIAL:
         for body in state["body"].values.tolist():
             for axis in state["axis"].values.tolist():
-                value = state[name].sel(body=body, axis=axis).values.reshape(1)
-                yield _Found(body, axis, Reading(ORDERS[name], np.zeros(1), value, std))
+                yield _Initial(body, axis, name, float(state[name].sel(body=body, axis=axis)))
 
 
 def _curves(readings: list[Reading], times: np.ndarray, still: float | None) -> dict[str, np.ndarray]:

@@ -10,13 +10,14 @@ from attrs import evolve, frozen
 from crashkit.protocols import Identification, Identifier, Problem, Status
 from crashkit_identifiers.equation_error import EquationError
 from crashkit_identifiers.levenberg_marquardt import Limits, Search, advance, begin
-from crashkit_identifiers.measured import measured_motions, require_seen
+from crashkit_identifiers.measured import measured_motions, require_seen, thinned
 from crashkit_identifiers.recorded import with_recordings
 from crashkit_identifiers.result import Path, conclude
 from crashkit_identifiers.wrapped import SameVariables
 
 FACTORS = (1.0, 0.5, 0.25, 0.125, 2.0)
-"""Of the values of parameters that are searched in their logarithm."""
+FEW = 80
+"""Instants that make a start."""
 
 
 @frozen(eq=False)
@@ -58,17 +59,23 @@ class StateFormRegression(Identifier[RegressionState]):
 
     Arguments:
         step_limit: steps after which the search ends unconverged.
+        instants: of each run, about so many; 0: all.
+        factors: of the start, in the values of parameters that are searched in their logarithm.
     """
 
     name: ClassVar[str] = "state_form"
     step_limit: int = 60
+    instants: int = 0
+    factors: tuple[float, ...] = FACTORS
 
     def start(self, problem: Problem) -> RegressionState:
         """The state at the best of some multiples of the problem's own start."""
         misfit = with_recordings(problem, self.name)
         measured = measured_motions(misfit)
         require_seen(misfit, measured, self.name)
-        searches = [begin(_From(EquationError(misfit, measured), factor)) for factor in FACTORS]
+        if self.instants:
+            measured = {run: thinned(motion, self.instants) for run, motion in measured.items()}
+        searches = [begin(_From(EquationError(misfit, measured), factor)) for factor in self.factors]
         return RegressionState(min(searches, key=lambda search: search.cost), measured)
 
     def step(self, problem: Problem, state: RegressionState) -> RegressionState:
@@ -79,6 +86,16 @@ class StateFormRegression(Identifier[RegressionState]):
     def finish(self, problem: Problem, state: RegressionState) -> Identification:
         """The parameters, with what the recordings themselves say of them."""
         return conclude(problem, state.point, state.status, state.path)
+
+
+@frozen
+class QuickRegression(StateFormRegression):
+    """The state form from the start alone and at few instants: where to begin a search that simulates."""
+
+    name: ClassVar[str] = "quick_state_form"
+    step_limit: int = 25
+    instants: int = FEW
+    factors: tuple[float, ...] = (1.0,)
 
 
 class _From(SameVariables):
