@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from attrs import evolve
 
 from crashkit.diagnose.look import Round, is_unknown
-from crashkit.diagnose.name import FLOOR
+from crashkit.diagnose.name import explains
 from crashkit.diagnose.rebuild import rebuild
 from crashkit.diagnose.reidentify import best_of_many
 from crashkit.diagnose.search import STEPS, Search, begin
@@ -14,7 +14,7 @@ from crashkit.misfit import Misfit
 
 MOST = 2
 """How many named causes of the last look are tried in the place of each finding."""
-GAIN = 100.0
+GAIN = 20.0
 """Chi squared that the exchange must gain."""
 
 
@@ -30,7 +30,7 @@ def exchanged(
         search: the fit with them.
         last: the look at what they leave.
     """
-    if search.normalised < FLOOR:
+    if explains(search):
         return None
     best = min(_exchanges(workshop, given, base_search, rounds, last), key=lambda one: one[1].deviance, default=None)
     return best if best and best[1].deviance < search.deviance - GAIN else None
