@@ -2,12 +2,10 @@
 
 from collections.abc import Iterable
 
-from attrs import evolve
-
 from crashkit.diagnose.contest import Progress
-from crashkit.diagnose.forms import in_all_forms, instead
-from crashkit.diagnose.look import Round, is_unknown, look_again
-from crashkit.diagnose.name import Rival
+from crashkit.diagnose.evidence import Rival, ranked_by_evidence
+from crashkit.diagnose.forms import in_all_forms
+from crashkit.diagnose.look import Round, between, is_unknown, look_again
 from crashkit.diagnose.search import Search
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
@@ -33,7 +31,7 @@ def begun_otherwise(
         winner = second.winner
         if winner is not None and not is_unknown(winner) and winner.search.deviance < least:
             rest = [other for other in first.rivals if other.identity != rival.identity]
-            best, least = (evolve(first, rivals=(rival, *rest)), second), winner.search.deviance
+            best, least = (between(first, [rival, *rest]), second), winner.search.deviance
     return best
 
 
@@ -41,7 +39,7 @@ def _others(workshop: Workshop, base_search: Search, first: Round) -> Iterable[R
     """The most evident of the winner's other forms and of the other claims."""
     winner, *others = first.rivals
     fitted = in_all_forms(workshop, base_search, winner, [], winner.search)
-    ranked = sorted((instead(winner, winner.search, *form) for form in fitted), key=lambda rival: -rival.evidence)
+    ranked = ranked_by_evidence(fitted, winner.search.deviance + winner.drop)
     forms = {rival.proposal.form: rival for rival in reversed(ranked) if rival.proposal.form != winner.proposal.form}
     named = [rival for rival in others if not is_unknown(rival)]
     return sorted([*forms.values(), *named], key=lambda rival: -rival.evidence)[:MOST]

@@ -8,12 +8,12 @@ from attrs import evolve
 
 from crashkit.diagnose.consistency import by_run, check_instruments
 from crashkit.diagnose.contest import Progress
+from crashkit.diagnose.evidence import FLOOR
 from crashkit.diagnose.experiment import experiment
 from crashkit.diagnose.finding import estimates, make_finding, stand_ins
 from crashkit.diagnose.fits import curves_of, fit_of, predict
 from crashkit.diagnose.foretold import foretold
 from crashkit.diagnose.look import Round
-from crashkit.diagnose.name import FLOOR
 from crashkit.diagnose.needed import needed, price, run_drops
 from crashkit.diagnose.reidentify import refine, reidentify
 from crashkit.diagnose.result import UNKNOWN, Alternative, Diagnosis, Finding, Fit, place_of

@@ -2,15 +2,11 @@
 
 from collections.abc import Iterator, Sequence
 
-from attrs import evolve
-
-from crashkit.diagnose.look import Round, is_unknown
-from crashkit.diagnose.name import explains
+from crashkit.diagnose.evidence import explains, rival_of
+from crashkit.diagnose.look import Round, between, is_unknown
 from crashkit.diagnose.rebuild import rebuild
-from crashkit.diagnose.reidentify import best_of_many
-from crashkit.diagnose.search import STEPS, Search, begin
+from crashkit.diagnose.search import Search
 from crashkit.diagnose.workshop import Workshop
-from crashkit.misfit import Misfit
 
 MOST = 2
 """How many named causes of the last look are tried in the place of each finding."""
@@ -19,7 +15,7 @@ GAIN = 20.0
 
 
 def exchanged(
-    workshop: Workshop, given: Misfit, base_search: Search, rounds: Sequence[Round], search: Search, last: Round
+    workshop: Workshop, base_search: Search, rounds: Sequence[Round], search: Search, last: Round
 ) -> tuple[list[Round], Search] | None:
     """The findings with one of them exchanged, where as many explain more; None if none do.
 
@@ -32,26 +28,18 @@ def exchanged(
     """
     if explains(search):
         return None
-    best = min(_exchanges(workshop, given, base_search, rounds, last), key=lambda one: one[1].deviance, default=None)
+    best = min(_exchanges(workshop, base_search, rounds, search, last), key=lambda one: one[1].deviance, default=None)
     return best if best and best[1].deviance < search.deviance - GAIN else None
 
 
 def _exchanges(
-    workshop: Workshop, given: Misfit, base_search: Search, rounds: Sequence[Round], last: Round
+    workshop: Workshop, base_search: Search, rounds: Sequence[Round], search: Search, last: Round
 ) -> Iterator[tuple[list[Round], Search]]:
     named = [rival for rival in last.rivals if not is_unknown(rival)][:MOST]
     for rival in named:
-        for place in range(len(rounds)):
-            rest = [*rounds[:place], *rounds[place + 1 :]]
-            placed = rebuild(workshop, base_search, [*(look.rivals[0] for look in rest), rival], rival.search)
-            if placed is not None:
-                found = _anywhere(workshop, given, placed)
-                others = [other for other in last.rivals if other is not rival]
-                yield [*rest, evolve(last, rivals=(evolve(rival, search=found), *others))], found
-
-
-def _anywhere(workshop: Workshop, given: Misfit, placed: Search) -> Search:
-    """The better of the fit and one from the values that the user gave, and others about them."""
-    misfit = placed.fitted().with_values_of(given)
-    found = misfit.with_values(misfit.values(best_of_many(workshop.identifier, misfit)))
-    return min(placed, begin(workshop.identifier, found).advance(STEPS), key=lambda search: search.deviance)
+        for place, look in enumerate(rounds):
+            rest, old = [*rounds[:place], *rounds[place + 1 :]], look.rivals[0]
+            found = rebuild(workshop, base_search, [*(one.rivals[0] for one in rest), rival], rival.search)
+            if found is not None:
+                new = rival_of(rival.proposal, found, search.deviance + old.drop)
+                yield [*rest, between(look, [new, old])], found

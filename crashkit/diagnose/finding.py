@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from attrs import evolve
 
-from crashkit.diagnose.name import Rival
+from crashkit.diagnose.evidence import Rival
 from crashkit.diagnose.result import UNKNOWN, Alternative, Estimate, Finding, place_of
 from crashkit.protocols import Hypothesis, Identification
 

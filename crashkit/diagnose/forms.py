@@ -9,8 +9,9 @@ from attrs import evolve
 from crashkit.campaign import spread
 from crashkit.diagnose.alike import most_alike
 from crashkit.diagnose.contest import Entrant, Progress, Start, first_of_each, identity
+from crashkit.diagnose.evidence import Rival, explains, ranked_by_evidence
 from crashkit.diagnose.look import Round, is_unknown
-from crashkit.diagnose.name import Rival, explains, propose_all
+from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.rebuild import rebuild
 from crashkit.diagnose.search import Search, advance_all, begin, begin_all, weighed
 from crashkit.diagnose.workshop import Workshop
@@ -41,7 +42,7 @@ def in_best_forms(
         others = [other.rivals[0] for other in looks if other is not look]
         progress(f"fitting all forms of {look.rivals[0].proposal.physics}", index / len(looks))
         forms = in_all_forms(workshop, base_search, look.rivals[0], others, search)
-        best = max((instead(look.rivals[0], search, *form) for form in forms), key=_evidence, default=look.rivals[0])
+        best = next(iter(ranked_by_evidence(forms, search.deviance + look.rivals[0].drop)), look.rivals[0])
         if best.evidence > look.rivals[0].evidence:
             looks[index], search = evolve(look, rivals=(best, *look.rivals[1:])), best.search
     return looks, search
@@ -108,14 +109,3 @@ def _along(workshop: Workshop, origin: Misfit, start: Start, route: Sequence[flo
 def _with(workshop: Workshop, origin: Misfit, form: Proposal, values: Mapping[str, float]) -> Misfit:
     misfit = workshop.misfit(origin, form.model).with_values_of(origin)
     return misfit.with_values({name: value for name, value in values.items() if name in form.parameters})
-
-
-def instead(rival: Rival, search: Search, proposal: Proposal, found: Search) -> Rival:
-    """A form in place of another that left more or needed more numbers."""
-    gained = search.deviance - found.deviance
-    price = (len(proposal.parameters) - len(rival.proposal.parameters)) * np.log(search.misfit.independent_samples)
-    return Rival(proposal, found, rival.drop + gained, rival.evidence + 0.5 * (gained - price))
-
-
-def _evidence(rival: Rival) -> float:
-    return rival.evidence

@@ -6,7 +6,8 @@ import numpy as np
 from attrs import evolve, field, frozen
 
 from crashkit.diagnose.contest import Progress, identity
-from crashkit.diagnose.name import FLOOR, Limit, Rival, again, best_forms, fit_rivals, probabilities, propose_all
+from crashkit.diagnose.evidence import FLOOR, Rival, best_forms, probabilities
+from crashkit.diagnose.name import Limit, again, fit_rivals, propose_all
 from crashkit.diagnose.result import UNKNOWN
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
@@ -92,6 +93,12 @@ def _is_given(model: Model, location: Mapping[str, object]) -> bool:
     return all(
         set(np.ravel(np.asarray(location[kind])).tolist()) <= known for kind, known in named.items() if kind in location
     )
+
+
+def between(look: Round, rivals: Sequence[Rival]) -> Round:
+    """The round as these rivals, the first ahead, would have it among themselves."""
+    chances, nothing = probabilities(rivals, len(rivals))
+    return evolve(look, rivals=tuple(rivals), probabilities=tuple(chances.tolist()), nothing=nothing)
 
 
 def settled(workshop: Workshop, given: Misfit, look: Round, winner: Rival, progress: Progress) -> Round:

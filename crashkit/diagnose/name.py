@@ -1,12 +1,10 @@
 """Name the physics: every hypothesis at every place is scored, the promising ones are fitted, the fitted ones are ranked."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from functools import partial
 
 import numpy as np
 from attrs import frozen
 
-from crashkit.campaign import spread
 from crashkit.diagnose.contest import (
     GROWING,
     Entrant,
@@ -19,11 +17,12 @@ from crashkit.diagnose.contest import (
     scores,
     scouted,
 )
+from crashkit.diagnose.evidence import FLOOR, STRAINED, Rival, explains, ranked_by_evidence
 from crashkit.diagnose.regress import regressed
-from crashkit.diagnose.reidentify import best_of_many, reidentify, scattered
+from crashkit.diagnose.reidentify import reidentify, scattered
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.score import Score
-from crashkit.diagnose.search import Search, begin, begin_all
+from crashkit.diagnose.search import Search, begin
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Hypothesis, Proposal
@@ -36,19 +35,6 @@ their own: they begin far above the others, and need more steps to show what the
 CONCEALED = 1.3
 """Normalised residual of the re-identified model above which it may have hidden physics in wrong values of its own; then the
 hypotheses are also fitted from the values that the user gave."""
-STRAINED = 9.0
-"""The same for the chi squared of its departure from what the user gave."""
-FLOOR = 1.05
-"""Normalised residual above which the winner has not explained everything, and the search goes on."""
-GENUINE = 0.95
-"""Share of its drop that an estimated table is credited with: two dozen free heights imitate any force of the deformation, and
-more closely than a known law whose form is slightly off."""
-IMITATING = 0.85
-"""The same while it leaves something unexplained."""
-LOST = 2.0
-"""Normalised residual of the best claim above which none has come near."""
-LEADING = 8
-"""How many claims are then fitted from many starts."""
 POLISHED = 2
 """How many of the leading claims are then searched again."""
 SCATTERED = 6
@@ -62,31 +48,6 @@ NOISE_PROMISE = 3.0
 """That is asked of a model at the noise, at its best fit."""
 SEEN = 4.5
 """Standard deviations from which an effect is found: its chi squared is then that of a finding."""
-UNKNOWN_ODDS = 1e-2
-"""Prior odds of an unheard-of force against a known one."""
-
-
-@frozen
-class Rival:
-    """A fitted hypothesis.
-
-    Attributes:
-        proposal: the physics, its form and place.
-        search: the fit of the model with it.
-        drop: in deviance against the model without it.
-        evidence: log evidence against the model without it (Schwarz 1978, doi:10.1214/aos/1176344136): half of
-            drop - parameters x ln(independent samples).
-    """
-
-    proposal: Proposal
-    search: Search
-    drop: float
-    evidence: float
-
-    @property
-    def identity(self) -> tuple[str, str]:
-        """What it claims, whatever its form."""
-        return identity(self.proposal)
 
 
 @frozen
@@ -140,49 +101,21 @@ def fit_rivals(
     fitted = heats(scouted(workshop, base, chosen, (1.0,), HEATS[0][0], astray), HEATS, progress)
     hides = afresh and (strained or normalised > CONCEALED)
     if hides and not any(explains(search) for _, search in fitted):
-        fitted += _leader_again(workshop, given, _ranked(fitted, deviance), progress)
+        fitted += _leader_again(workshop, given, ranked_by_evidence(fitted, deviance), progress)
     if hides and not any(explains(search) for _, search in fitted):
         rough = promising(scores(workshop, given.coarse, plain, np.inf, progress), STARTS, LEAST_PROMISE)
         fitted += regressed(workshop, given, first_of_each(rough, 1), progress)
     if hides and not any(explains(search) for _, search in fitted):
-        ahead = scouted(workshop, given, rough, GROWING, HEATS[0][0], astray)
-        fitted += heats(ahead, HEATS, progress)
-        if min(search.normalised for _, search in fitted) > LOST:
-            fitted += _from_many(workshop, given, ahead, plain, progress)
-    ranked = _ranked(fitted, deviance)
+        fitted += heats(scouted(workshop, given, rough, GROWING, HEATS[0][0], astray), HEATS, progress)
+    ranked = ranked_by_evidence(fitted, deviance)
     if quick or not ranked:
         return ranked, _limits(scored)
     if ranked[0].search.normalised > FLOOR:
-        ranked = _ranked([*fitted, *_polished(workshop, given, ranked, proposals, astray, progress)], deviance)
+        ranked = ranked_by_evidence([*fitted, *_polished(workshop, given, ranked, proposals, astray, progress)], deviance)
     elif ranked[0].proposal.physics == UNKNOWN:
         better = [one for one in _polished(workshop, given, ranked, proposals, astray, progress) if _beats(one, ranked[0])]
-        ranked = _ranked([*fitted, *better], deviance)
+        ranked = ranked_by_evidence([*fitted, *better], deviance)
     return ranked, _limits(scored)
-
-
-def _from_many(
-    workshop: Workshop, given: Misfit, ahead: Sequence[Entrant], proposals: Sequence[Proposal], progress: Progress
-) -> list[Entrant]:
-    """Every form of the known claims that quick searches leave ahead, with the model's own numbers scattered about the given.
-
-    Where nothing comes near, it is in the valleys of those numbers that all searches end.
-    """
-    quick = sorted(ahead, key=lambda entrant: entrant[1].state.cost)
-    claims = list(dict.fromkeys(identity(proposal) for proposal, _ in quick if proposal.physics != UNKNOWN))[:LEADING]
-    forms = [proposal for proposal in proposals if identity(proposal) in claims]
-    misfits = [_begun(workshop, given, form, quick) for form in forms]
-    progress(f"fitting {len(forms)} forms from many starts", 0.0)
-    points = spread(partial(best_of_many, workshop.identifier), misfits)
-    ends = [misfit.with_values(misfit.values(point)) for misfit, point in zip(misfits, points, strict=True)]
-    return heats(list(zip(forms, begin_all(workshop.identifier, ends), strict=True)), POLISHING[1:], progress)
-
-
-def _begun(workshop: Workshop, given: Misfit, form: Proposal, quick: Sequence[Entrant]) -> Misfit:
-    """A form at its own values from the best of the quick searches, if it was among them, and else at a start."""
-    found = next((search for proposal, search in quick if proposal is form), None)
-    values = found.misfit.values(found.point) if found else form.starts[0]
-    misfit = workshop.misfit(given, form.model).with_values_of(given)
-    return misfit.with_values({name: value for name, value in values.items() if name in form.parameters})
 
 
 def _leader_again(workshop: Workshop, given: Misfit, ranked: Sequence[Rival], progress: Progress) -> list[Entrant]:
@@ -200,13 +133,6 @@ def again(workshop: Workshop, given: Misfit, rival: Rival, progress: Progress) -
     return reidentify(workshop.identifier, workshop.finder, rival.search.fitted().with_values_of(given))
 
 
-def explains(search: Search) -> bool:
-    """Whether nothing is left that another claim could explain better, and no number had to be strained for it."""
-    chance = 1.0 / np.sqrt(2.0 * search.misfit.independent_samples)
-    told = all(channel.noise.trusted for channel in search.misfit.channels)
-    return bool(told and search.normalised < 1.0 + 2.0 * chance and search.misfit.departure(search.point) < STRAINED)
-
-
 def _limits(scores: Iterable[tuple[Proposal, Score]]) -> list[Limit]:
     """Of every claim in its first form, at the start from which the recordings see best.
 
@@ -221,26 +147,6 @@ def _limits(scores: Iterable[tuple[Proposal, Score]]) -> list[Limit]:
         if proposal.form == known.proposal.form:
             limits[identity(proposal)] = Limit(known.proposal, min(known.smallest, SEEN * one.deviation))
     return list(limits.values())
-
-
-def probabilities(ranked: Sequence[Rival], tried: int) -> tuple[np.ndarray, float]:
-    """The probability of each rival, and that there is nothing, from the evidence.
-
-    "Nothing" has even odds beforehand; the other half is shared by all the places and kinds that were tried.
-    """
-    prior = np.array([UNKNOWN_ODDS if r.proposal.physics == UNKNOWN else 1.0 for r in ranked]) / max(tried, 1)
-    log_weights = np.append(np.array([r.evidence for r in ranked]) + np.log(prior), 0.0)
-    weights = np.exp(log_weights - log_weights.max())
-    weights /= weights.sum()
-    return weights[:-1], float(weights[-1])
-
-
-def best_forms(ranked: Iterable[Rival]) -> list[Rival]:
-    """The most evident form of each physics at each place."""
-    best: dict[tuple[str, str], Rival] = {}
-    for rival in ranked:
-        best.setdefault(rival.identity, rival)
-    return list(best.values())
 
 
 def _polished(
@@ -279,15 +185,3 @@ def _leads(proposal: Proposal, ranked: Sequence[Rival]) -> bool:
     known = dict.fromkeys(identity(rival.proposal) for rival in ranked if rival.proposal.physics != UNKNOWN)
     at_unknown = first.physics == UNKNOWN and place_of(proposal.location) == place_of(first.location)
     return at_unknown or identity(proposal) in list(known)[:POLISHED]
-
-
-def _ranked(fitted: Iterable[Entrant], reference: float) -> list[Rival]:
-    """The most evident first."""
-    return sorted((_rival(proposal, search, reference) for proposal, search in fitted), key=lambda rival: -rival.evidence)
-
-
-def _rival(proposal: Proposal, search: Search, reference: float) -> Rival:
-    drop = reference - search.deviance
-    price = float(len(proposal.parameters) * np.log(search.misfit.independent_samples))
-    credit = 1.0 if proposal.physics != UNKNOWN else GENUINE if search.normalised < FLOOR else IMITATING
-    return Rival(proposal, search, drop, 0.5 * (credit * drop - price))

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from attrs import evolve
 
 from crashkit.diagnose.contest import Progress
+from crashkit.diagnose.evidence import FLOOR, Rival
 from crashkit.diagnose.forms import in_best_forms
-from crashkit.diagnose.look import Round, is_unknown, look_again, settled
-from crashkit.diagnose.name import FLOOR, Rival, probabilities
+from crashkit.diagnose.look import Round, between, is_unknown, look_again, settled
 from crashkit.diagnose.rebuild import rebuild
 from crashkit.diagnose.search import Search
 from crashkit.diagnose.workshop import Workshop
@@ -42,9 +42,7 @@ def _beats(rival: Rival | None, table: Rival) -> bool:
 
 def _named(workshop: Workshop, given: Misfit, base_search: Search, look: Round, progress: Progress) -> Round:
     """The round without estimates, its winner in the best form."""
-    named = [rival for rival in look.rivals if not is_unknown(rival)]
-    chances, nothing = probabilities(named, len(named))
-    first = evolve(look, rivals=tuple(named), probabilities=tuple(chances.tolist()), nothing=nothing)
+    first = between(look, [rival for rival in look.rivals if not is_unknown(rival)])
     if first.winner is None:
         return first
     first = settled(workshop, given, first, first.winner, progress)

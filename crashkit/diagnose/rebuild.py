@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 
 from crashkit.diagnose.contest import identity
-from crashkit.diagnose.name import Rival, propose_all
+from crashkit.diagnose.evidence import Rival
+from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.search import STEPS, Search, begin
 from crashkit.diagnose.workshop import Workshop
 from crashkit.protocols import Proposal

@@ -29,17 +29,9 @@ def reidentify(identifier: Identifier[Any], finder: Identifier[Any], misfit: Mis
         identifier: of every fit in a diagnosis.
         finder: a slower one that does not end in the nearest optimum.
     """
-    ends = spread(lambda look: look(misfit), [partial(_found, finder), partial(best_of_many, identifier)])
+    ends = spread(lambda look: look(misfit), [partial(_found, finder), partial(_best_of_many, identifier)])
     searches = [begin(identifier, misfit.with_values(misfit.values(end))).advance(STEPS) for end in ends]
     return weighed([min(searches, key=lambda search: search.state.cost)])[0]
-
-
-def best_of_many(identifier: Identifier[Any], misfit: Misfit) -> np.ndarray:
-    """Where the best of several searches ends that begin at the model's values and around them."""
-    searches = begin_all(identifier, scattered(misfit, HEATS[0][0]))
-    for size, steps in HEATS:
-        searches = advance_all(sorted(searches, key=lambda search: search.state.cost)[:size], steps)
-    return min(searches, key=lambda search: search.state.cost).point
 
 
 def _found(finder: Identifier[Any], misfit: Misfit) -> np.ndarray:
@@ -57,6 +49,14 @@ def refine(identifier: Identifier[Any], misfit: Misfit) -> Search:
     for size, steps in REFINING:
         searches = advance_all(sorted(searches, key=lambda search: search.deviance)[:size], steps)
     return min(searches, key=lambda search: search.deviance)
+
+
+def _best_of_many(identifier: Identifier[Any], misfit: Misfit) -> np.ndarray:
+    """Where the best of several searches ends that begin at the model's values and around them."""
+    searches = begin_all(identifier, scattered(misfit, HEATS[0][0]))
+    for size, steps in HEATS:
+        searches = advance_all(sorted(searches, key=lambda search: search.state.cost)[:size], steps)
+    return min(searches, key=lambda search: search.state.cost).point
 
 
 def scattered(misfit: Misfit, count: int) -> list[Misfit]:

@@ -7,10 +7,10 @@ from attrs import field, frozen
 from crashkit.diagnose.aside import Suspect, suspects, without
 from crashkit.diagnose.beginnings import begun_otherwise
 from crashkit.diagnose.contest import Progress
+from crashkit.diagnose.evidence import FLOOR, Rival
 from crashkit.diagnose.exchange import exchanged
 from crashkit.diagnose.forms import in_best_forms
 from crashkit.diagnose.look import Round, is_unknown, look_again, settled
-from crashkit.diagnose.name import FLOOR, Rival
 from crashkit.diagnose.pairs import named_before_unknown
 from crashkit.diagnose.rebuild import rebuild, without_winner
 from crashkit.diagnose.reidentify import reidentify
@@ -107,7 +107,7 @@ def _followed(
             break
         look = look_again(workshop, given, search.fitted(), [r.rivals[0] for r in rounds], progress)
     if len(rounds) > 1:
-        rounds, search = exchanged(workshop, given, base_search, rounds, search, look) or (rounds, search)
+        rounds, search = exchanged(workshop, base_search, rounds, search, look) or (rounds, search)
         rounds, search = _reconsider(workshop, given, base_search, rounds, search, progress)
         rounds, search = in_best_forms(workshop, base_search, rounds, search, progress)
     last = look if look.winner is None else None

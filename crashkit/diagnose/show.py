@@ -6,9 +6,9 @@ import numpy as np
 import xarray as xr
 
 from crashkit.campaign import spread
+from crashkit.diagnose.evidence import Rival
 from crashkit.diagnose.forces import binned, missing_force, on_joint, recorded_motion
 from crashkit.diagnose.left_out import left_out_drop
-from crashkit.diagnose.name import Rival
 from crashkit.diagnose.result import place_of
 from crashkit.diagnose.rounds import Discovery
 from crashkit.diagnose.workshop import Workshop

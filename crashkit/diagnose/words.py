@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from attrs import evolve
 
-from crashkit.diagnose.name import FLOOR
+from crashkit.diagnose.evidence import FLOOR
 from crashkit.diagnose.result import Diagnosis, Estimate, Finding, Fit, place_of
 from crashkit.diagnose.rounds import Discovery
 from crashkit.protocols import Identification

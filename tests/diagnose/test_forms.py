@@ -2,9 +2,10 @@
 
 import pytest
 
+from crashkit.diagnose.evidence import Rival
 from crashkit.diagnose.forms import in_best_forms
 from crashkit.diagnose.look import Round
-from crashkit.diagnose.name import Rival, fit_rivals
+from crashkit.diagnose.name import fit_rivals
 from crashkit.diagnose.rounds import _reconsider
 from crashkit.diagnose.search import begin
 from crashkit.model import Parameter

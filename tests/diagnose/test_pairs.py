@@ -6,8 +6,8 @@ import pytest
 from attrs import evolve
 
 from crashkit.diagnose import pairs
+from crashkit.diagnose.evidence import Rival
 from crashkit.diagnose.look import Round
-from crashkit.diagnose.name import Rival
 from crashkit.diagnose.result import UNKNOWN
 from crashkit.protocols import Proposal
 

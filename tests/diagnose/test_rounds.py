@@ -5,9 +5,9 @@ import pytest
 from attrs import evolve
 
 from crashkit.diagnose.diagnosis import _is_worthless
+from crashkit.diagnose.evidence import Rival
 from crashkit.diagnose.left_out import left_out_drop
 from crashkit.diagnose.look import LEAST_DROP, Round, _is_given, _least_drop, settled
-from crashkit.diagnose.name import Rival
 from crashkit.diagnose.needed import needed, price
 from crashkit.diagnose.reidentify import reidentify
 from crashkit.diagnose.rounds import _corrects

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from attrs import evolve, frozen
 
-from crashkit.diagnose.name import Rival, best_forms, probabilities
+from crashkit.diagnose.evidence import Rival, best_forms, probabilities
 from crashkit.diagnose.score import score
 from crashkit.diagnose.search import begin
 from crashkit.misfit import Misfit

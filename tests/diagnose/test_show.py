@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from crashkit.diagnose.name import Rival
+from crashkit.diagnose.evidence import Rival
 from crashkit.diagnose.search import begin
 from crashkit.diagnose.show import action_of, units_of
 from crashkit.model import Parameter

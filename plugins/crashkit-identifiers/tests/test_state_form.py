@@ -10,7 +10,7 @@ from crashkit.registry import load
 from crashkit.testing import IdentifierContract, toys
 from crashkit_identifiers.run import run
 from crashkit_identifiers.sensitivity import Sensitivity
-from crashkit_identifiers.state_form import StateFormRegression
+from crashkit_identifiers.state_form import FEW, QuickRegression, StateFormRegression
 
 
 class TestStateForm(IdentifierContract):
@@ -19,6 +19,27 @@ class TestStateForm(IdentifierContract):
     @pytest.fixture
     def identifier(self):
         return StateFormRegression()
+
+
+class TestQuickRegression(IdentifierContract):
+    accuracy = 1e-2
+
+    @pytest.fixture
+    def identifier(self):
+        return QuickRegression()
+
+
+def test_a_quick_start_looks_at_few_instants(search):
+    problem = search(toys.one_degree())
+    state = QuickRegression().start(problem)
+    assert {run: FEW <= motion.sizes["time"] < 2 * FEW for run, motion in state.measured.items()} == {"speed_1": True}
+
+
+def test_what_was_measured_is_remembered(search):
+    problem = search(toys.one_degree())
+    weaker = problem.with_values({"joint.first.crush_force": 1e4})
+    first, second = (StateFormRegression().start(one).measured["speed_1"] for one in (problem, weaker))
+    assert first is second
 
 
 @pytest.mark.parametrize("factor", [0.3, 3.0])

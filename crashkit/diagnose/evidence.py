@@ -1,0 +1,86 @@
+"""How evident a fitted claim is: what it explains less the price of its numbers."""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from attrs import frozen
+
+from crashkit.diagnose.contest import Entrant, identity
+from crashkit.diagnose.result import UNKNOWN
+from crashkit.diagnose.search import Search
+from crashkit.protocols import Proposal
+
+FLOOR = 1.05
+"""Normalised residual above which the winner has not explained everything, and the search goes on."""
+STRAINED = 9.0
+"""Chi squared of a departure from what the user gave above which a model's own numbers may hide physics."""
+GENUINE = 0.95
+"""Share of its drop that an estimated table is credited with: two dozen free heights imitate any force of the deformation, and
+more closely than a known law whose form is slightly off."""
+IMITATING = 0.85
+"""The same while it leaves something unexplained."""
+UNKNOWN_ODDS = 1e-2
+"""Prior odds of an unheard-of force against a known one."""
+
+
+@frozen
+class Rival:
+    """A fitted hypothesis.
+
+    Attributes:
+        proposal: the physics, its form and place.
+        search: the fit of the model with it.
+        drop: in deviance against the model without it.
+        evidence: log evidence against the model without it (Schwarz 1978, doi:10.1214/aos/1176344136): half of
+            drop - parameters x ln(independent samples).
+    """
+
+    proposal: Proposal
+    search: Search
+    drop: float
+    evidence: float
+
+    @property
+    def identity(self) -> tuple[str, str]:
+        """What it claims, whatever its form."""
+        return identity(self.proposal)
+
+
+def ranked_by_evidence(fitted: Iterable[Entrant], reference: float) -> list[Rival]:
+    """The most evident first."""
+    return sorted((rival_of(proposal, search, reference) for proposal, search in fitted), key=lambda rival: -rival.evidence)
+
+
+def rival_of(proposal: Proposal, search: Search, reference: float) -> Rival:
+    """A fit weighed against the deviance of the model without the claim."""
+    drop = reference - search.deviance
+    price = float(len(proposal.parameters) * np.log(search.misfit.independent_samples))
+    credit = 1.0 if proposal.physics != UNKNOWN else GENUINE if search.normalised < FLOOR else IMITATING
+    return Rival(proposal, search, drop, 0.5 * (credit * drop - price))
+
+
+def probabilities(ranked: Sequence[Rival], tried: int) -> tuple[np.ndarray, float]:
+    """The probability of each rival, and that there is nothing, from the evidence.
+
+    "Nothing" has even odds beforehand; the other half is shared by all the places and kinds that were tried.
+    """
+    prior = np.array([UNKNOWN_ODDS if r.proposal.physics == UNKNOWN else 1.0 for r in ranked]) / max(tried, 1)
+    log_weights = np.append(np.array([r.evidence for r in ranked]) + np.log(prior), 0.0)
+    weights = np.exp(log_weights - log_weights.max())
+    weights /= weights.sum()
+    return weights[:-1], float(weights[-1])
+
+
+def best_forms(ranked: Iterable[Rival]) -> list[Rival]:
+    """The most evident form of each physics at each place."""
+    best: dict[tuple[str, str], Rival] = {}
+    for rival in ranked:
+        best.setdefault(rival.identity, rival)
+    return list(best.values())
+
+
+def explains(search: Search) -> bool:
+    """Whether nothing is left that another claim could explain better, and no number had to be strained for it."""
+    chance = 1.0 / np.sqrt(2.0 * search.misfit.independent_samples)
+    told = all(channel.noise.trusted for channel in search.misfit.channels)
+    return bool(told and search.normalised < 1.0 + 2.0 * chance and search.misfit.departure(search.point) < STRAINED)
