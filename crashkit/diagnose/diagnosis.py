@@ -73,7 +73,7 @@ def _explained(
     # The first simulation compiles the engine, before copies of this process would each do so.
     equipped = evolve(equipped, step=fine_step(given))
     given = given.with_step(equipped.step)
-    base = reidentify(equipped.identifier, equipped.finder, given)
+    base = reidentify(equipped, given)
     base = _sharpened(equipped, model, recordings, base)
     discovery = discover(equipped, base.misfit.with_values_of(given), base, progress)
     progress("refining", 0.0)

@@ -130,7 +130,7 @@ def again(workshop: Workshop, given: Misfit, rival: Rival, progress: Progress) -
     Its fit began where the model without it had been driven, and may have stayed in that valley.
     """
     progress(f"re-identifying with {rival.proposal.physics}", 0.0)
-    return reidentify(workshop.identifier, workshop.finder, rival.search.fitted().with_values_of(given))
+    return reidentify(workshop, rival.search.fitted().with_values_of(given))
 
 
 def _limits(scores: Iterable[tuple[Proposal, Score]]) -> list[Limit]:

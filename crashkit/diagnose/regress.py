@@ -28,7 +28,7 @@ def regressed(workshop: Workshop, given: Misfit, starts: Sequence[Start], progre
 
     def end(start: Start) -> End | None:
         proposal, values = start
-        return _end(workshop, workshop.misfit(given, proposal.model).with_values(values))
+        return regression(workshop, workshop.misfit(given, proposal.model).with_values(values))
 
     progress(f"regressing the equations of motion for {len(told)} claims", 0.0)
     ends = zip(told, spread(end, told), strict=True)
@@ -39,7 +39,8 @@ def regressed(workshop: Workshop, given: Misfit, starts: Sequence[Start], progre
     return heats(list(zip((proposal for proposal, _ in ahead), searches, strict=True)), HEATS, progress)
 
 
-def _end(workshop: Workshop, misfit: Misfit) -> End | None:
+def regression(workshop: Workshop, misfit: Misfit) -> End | None:
+    """Where a regression from the misfit's values ends; None where there are no such equations."""
     try:
         state = workshop.starter.start(misfit)
         for _ in range(STEPS):

@@ -6,7 +6,9 @@ from typing import Any
 import numpy as np
 
 from crashkit.campaign import spread
+from crashkit.diagnose.regress import regression
 from crashkit.diagnose.search import STEPS, Search, advance_all, begin, begin_all, weighed
+from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Identifier, Status
 
@@ -20,16 +22,15 @@ REFINING = ((12, 8), (4, STEPS))
 """The same about values that are already good."""
 
 
-def reidentify(identifier: Identifier[Any], finder: Identifier[Any], misfit: Misfit) -> Search:
+def reidentify(workshop: Workshop, misfit: Misfit) -> Search:
     """The best fit of the model as it is; what then remains, no tuning of its parameters removes.
 
-    A wrong model has many local optima where thresholds are crossed, so two searches look everywhere.
-
-    Arguments:
-        identifier: of every fit in a diagnosis.
-        finder: a slower one that does not end in the nearest optimum.
+    A wrong model has many local optima where thresholds are crossed, so three searches look everywhere: the workshop's finder,
+    one from many starts, and one from where the equations of motion lead.
     """
-    ends = spread(lambda look: look(misfit), [partial(_found, finder), partial(_best_of_many, identifier)])
+    identifier = workshop.identifier
+    looks = [partial(_found, workshop.finder), partial(_best_of_many, identifier), partial(_regressed, workshop)]
+    ends = spread(lambda look: look(misfit), looks)
     searches = [begin(identifier, misfit.with_values(misfit.values(end))).advance(STEPS) for end in ends]
     return weighed([min(searches, key=lambda search: search.state.cost)])[0]
 
@@ -41,6 +42,12 @@ def _found(finder: Identifier[Any], misfit: Misfit) -> np.ndarray:
             break
         state = finder.step(misfit, state)
     return np.asarray(state.point)
+
+
+def _regressed(workshop: Workshop, misfit: Misfit) -> np.ndarray:
+    """Where the regression ends, or the misfit's own values where there is none."""
+    end = regression(workshop, misfit)
+    return misfit.start() if end is None else misfit.start_at(end[0])
 
 
 def refine(identifier: Identifier[Any], misfit: Misfit) -> Search:

@@ -64,7 +64,7 @@ def _beside(
     rest = workshop.first_misfit(given.model, without(given.recordings, set_aside)).with_prior(given.prior.std)
     if not rest.groups:
         return None
-    structure = _discovered(workshop, rest, reidentify(workshop.identifier, workshop.finder, rest), progress)
+    structure = _discovered(workshop, rest, reidentify(workshop, rest), progress)
     rounds = list(structure.rounds)
     search = rebuild(workshop, base_search, [look.rivals[0] for look in rounds], structure.search)
     if search is None:

@@ -132,7 +132,7 @@ def test_the_given_model_is_found_again_from_far_away(workshop, model, misfit, r
     """Thresholds twice as large as they are, from which steps downhill end elsewhere."""
     far = model.with_values({path: 2.0 * p.value for path, p in model.free_parameters().items()})
     given = misfit(far, slow=recorded(model, 0.9, 1), fast=recorded(model, 1.2, 2))
-    search = reidentify(workshop.identifier, workshop.finder, given)
+    search = reidentify(workshop, given)
     assert search.normalised == pytest.approx(1.0, abs=0.05)
 
 
