@@ -12,6 +12,8 @@ from crashkit.misfit import Misfit
 
 MOST = 5
 """How many are tried, of which each costs a quick look."""
+HOPEFUL = 4.0
+"""Deviance that another beginning may leave, relative to what the first finding leaves."""
 
 
 def begun_otherwise(
@@ -42,4 +44,5 @@ def _others(workshop: Workshop, base_search: Search, first: Round) -> Iterable[R
     ranked = ranked_by_evidence(fitted, winner.search.deviance + winner.drop)
     forms = {rival.proposal.form: rival for rival in reversed(ranked) if rival.proposal.form != winner.proposal.form}
     named = [rival for rival in others if not is_unknown(rival)]
-    return sorted([*forms.values(), *named], key=lambda rival: -rival.evidence)[:MOST]
+    hopeful = [one for one in (*forms.values(), *named) if one.search.deviance < HOPEFUL * winner.search.deviance]
+    return sorted(hopeful, key=lambda rival: -rival.evidence)[:MOST]

@@ -8,7 +8,7 @@ from attrs import evolve
 
 from crashkit.diagnose.consistency import by_run, check_instruments
 from crashkit.diagnose.contest import Progress
-from crashkit.diagnose.evidence import FLOOR
+from crashkit.diagnose.evidence import FLOOR, UNEXPLAINED
 from crashkit.diagnose.experiment import experiment
 from crashkit.diagnose.finding import estimates, make_finding, stand_ins
 from crashkit.diagnose.fits import curves_of, fit_of, predict
@@ -27,8 +27,6 @@ from crashkit.misfit import Misfit, Noise, fine_step
 from crashkit.model import Body, Model
 from crashkit.protocols import Identification
 
-UNEXPLAINED = 1.15
-"""Normalised residual above which a model is not called consistent, and a finding not the whole explanation."""
 INCOMPLETE = 0.5
 """Share of its probability with which a claim is told that leaves more: of 25 such diagnoses of unseen cases fifteen
 were right. The evidence only compares what was tried."""

@@ -12,6 +12,8 @@ from crashkit.protocols import Proposal
 
 FLOOR = 1.05
 """Normalised residual above which the winner has not explained everything, and the search goes on."""
+UNEXPLAINED = 1.15
+"""Normalised residual above which a model is not called consistent, and findings are not the whole explanation."""
 STRAINED = 9.0
 """Chi squared of a departure from what the user gave above which a model's own numbers may hide physics."""
 GENUINE = 0.95

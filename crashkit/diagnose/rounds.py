@@ -7,7 +7,7 @@ from attrs import field, frozen
 from crashkit.diagnose.aside import Suspect, suspects, without
 from crashkit.diagnose.beginnings import begun_otherwise
 from crashkit.diagnose.contest import Progress
-from crashkit.diagnose.evidence import FLOOR, Rival
+from crashkit.diagnose.evidence import FLOOR, UNEXPLAINED, Rival
 from crashkit.diagnose.exchange import exchanged
 from crashkit.diagnose.forms import in_best_forms
 from crashkit.diagnose.look import Round, is_unknown, look_again, settled
@@ -85,7 +85,7 @@ def _discovered(workshop: Workshop, given: Misfit, base_search: Search, progress
     base_search, first = _first_look(workshop, given, base_search, progress)
     rounds, look = named_before_unknown(workshop, given, base_search, first, progress)
     found, last = _followed(workshop, given, base_search, rounds, look, progress)
-    if not found.rounds or _is_estimated(found.rounds) or found.search.normalised < FLOOR:
+    if not found.rounds or _is_estimated(found.rounds) or found.search.normalised < UNEXPLAINED:
         return found
     least = min([found.search.deviance, *(rival.search.deviance for rival in last.rivals[:1])])
     beginning = begun_otherwise(workshop, given, base_search, first, least, progress)

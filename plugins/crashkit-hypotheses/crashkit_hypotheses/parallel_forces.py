@@ -27,6 +27,8 @@ FOLDS = (2.0, 2.75, 3.5, 4.5, 5.5, 6.5, 8.0, 10.0, 12.5)
 """How many folds to start from: a search only finds the number that is nearest."""
 LONGEST, LONGEST_SHAPED = 0.5, 0.4
 """Of the deformation reached: what is longer does not repeat. It could be any force, above all in folds of any shape."""
+SKEW = 0.1
+"""To start from: without skew, folds are a sine, which has no derivative to it."""
 PHASES = (0.0, -1 / 3, 1 / 3)
 """Where in a fold the first begins, likewise."""
 
@@ -144,7 +146,7 @@ class ProgressiveFolding(Hypothesis):
         shaped = {
             **folds,
             "fold_length": Parameter(0.2 * reached, 0.02 * reached, LONGEST_SHAPED * reached),
-            "skew": Parameter(0.0, -0.95, 0.95),
+            "skew": Parameter(SKEW, -0.98, 0.98),
             "arch": Parameter(0.1, 0.0, 0.95),
             "shortening": Parameter(0.0, -0.3, 0.5),
             "weakening": Parameter(0.01, 0.0, 3.0),

@@ -30,12 +30,13 @@ class Peak(SpringLaw):
 
 
 class Folding(SpringLaw):
-    """Folds that form one after another: A exp(-weakening t) sin(w + skew sin w + arch (cos w - 1)), 0 before the onset.
+    """Folds that form one after another: A exp(-weakening t) atan(k sin v / (1 - k cos v)) / asin k, 0 before the onset.
 
-    With t = max(0, d_max - onset) / fold_length, w = 2 pi t (1 + shortening t). Folds that get longer, g = -2 shortening > 0,
+    With the skew k and v = w + arch (cos w - 1): a sine for k = 0, and near 1 a saw, the sum of k^n sin(n v) / n. There
+    t = max(0, d_max - onset) / fold_length and w = 2 pi t (1 + shortening t). Folds that get longer, g = -2 shortening > 0,
     have w = 2 pi ln(1 + g t) / g, and a height lower by 1 + g t, so that each takes up as much. It depends on the largest
-    deformation, and is released to 0 along a slope that no fold exceeds, A exp(-weakening t) ((1 + |skew| + arch) dw +
-    (weakening + g) dt) / dd_max.
+    deformation, and is released to 0 along a slope that no fold exceeds, A exp(-weakening t) (K (1 + arch) dw + (weakening +
+    g) dt) / dd_max with K = |k| / (1 - |k|) / asin |k|.
     """
 
     name = "folding"
@@ -43,7 +44,7 @@ class Folding(SpringLaw):
         ParameterSpec("amplitude", "N", "force above and below the plateau (A)", lower=0.0, null=0.0),
         ParameterSpec("fold_length", "m", "deformation from fold to fold", lower=1e-3),
         ParameterSpec("onset", "m", "deformation at which the first fold begins", lower=0.0, default=0.0),
-        ParameterSpec("skew", "1", "of a fold: above 0 it rises faster than it falls", -0.95, 0.95, default=0.0, null=0.0),
+        ParameterSpec("skew", "1", "of a fold: above 0 it rises faster than it falls", -0.98, 0.98, default=0.0, null=0.0),
         ParameterSpec(
             "arch", "1", "of a fold: above 0 its crests are wide, its troughs narrow", 0.0, 0.95, default=0.0, null=0.0
         ),
@@ -75,9 +76,14 @@ class Folding(SpringLaw):
             folds = math.log(1.0 + longer * turns) / longer
         else:
             folds = turns * (1.0 + shortening * turns)
-        phase = 2.0 * math.pi * folds
-        crest = math.sin(phase + skew * math.sin(phase) + arch * (math.cos(phase) - 1.0))
-        steepest = (1.0 + max(skew, -skew) + arch) * (1.0 + 2.0 * max(0.0, shortening) * turns)
+        phase = 2.0 * math.pi * folds + arch * (math.cos(2.0 * math.pi * folds) - 1.0)
+        if skew * skew > 1e-12:
+            crest = math.atan(skew * math.sin(phase) / (1.0 - skew * math.cos(phase))) / math.asin(skew)
+            steepest = skew / (1.0 - max(skew, -skew)) / math.asin(skew)
+        else:
+            crest = math.sin(phase)
+            steepest = 1.0
+        steepest = steepest * (1.0 + arch) * (1.0 + 2.0 * max(0.0, shortening) * turns)
         release = (2.0 * math.pi * steepest + weakening + longer) / fold_length * (d_max - d)
         height = amplitude * math.exp(-weakening * turns) / (1.0 + longer * turns)
         return height * (max(0.0, crest - release) + min(0.0, crest + release))

@@ -89,7 +89,7 @@ EXAMPLES = [
     (Peak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_sharpness": 8.0}),
     (Folding, {"amplitude": 2e4, "fold_length": 0.3, "onset": 0.2}),
     (Folding, {"amplitude": 2e4, "fold_length": 0.2, "skew": 0.9, "arch": 0.4, "shortening": 0.1, "weakening": 0.3}),
-    (Folding, {"amplitude": 2e4, "fold_length": 0.2, "skew": -0.4, "shortening": -0.1}),
+    (Folding, {"amplitude": 2e4, "fold_length": 0.2, "skew": -0.4, "shortening": -0.1, "weakening": 0.05}),
     (SmoothTable, {"heights": [1e4, -2e4, 3e4], "reach": 0.6}),
     (RateTable, {"heights": [-1e4, 0.0, 2e4, 3e4], "reach": 10.0}),
     (RateCurve, {"rate_heights": [-0.4, 0.0, 0.2, 0.1], "rate_reach": 10.0}),
@@ -316,6 +316,14 @@ def test_folds_have_a_shape():
     assert nearly_even == pytest.approx([value(Folding, 0.53, **folds)] * 2, abs=1e-4)
     first, third = (value(Folding, d, **folds, weakening=0.5) for d in (0.05, 0.45))
     assert third / first == pytest.approx(math.exp(-1.0))
+
+
+def test_skewed_folds_are_nearly_a_saw():
+    x = np.linspace(0.03, 0.17, 29)
+    saw = [value(Folding, d, amplitude=1.0, fold_length=0.2, skew=0.98) for d in x]
+    assert saw == pytest.approx(0.5 * np.pi * (1.0 - x / 0.1) / np.arcsin(0.98), abs=0.02)
+    release = [value(Folding, d, d_max=0.01, amplitude=1.0, fold_length=0.2, skew=0.95) for d in (0.01, 0.009, 0.0)]
+    assert release == sorted(release, reverse=True) and release[-1] == 0.0
 
 
 def test_a_stop_stiffens_without_end_and_then_in_a_straight_line():
