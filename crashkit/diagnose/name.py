@@ -99,23 +99,35 @@ def fit_rivals(
     scored = scores(workshop, base, plain, reference, progress)
     chosen = promising(scored, 1, NOISE_PROMISE if normalised < FLOOR and not strained else LEAST_PROMISE)
     fitted = heats(scouted(workshop, base, chosen, (1.0,), HEATS[0][0], astray), HEATS, progress)
-    hides = afresh and (strained or normalised > CONCEALED)
-    if hides and not any(explains(search) for _, search in fitted):
-        fitted += _leader_again(workshop, given, ranked_by_evidence(fitted, deviance), progress)
-    if hides and not any(explains(search) for _, search in fitted):
-        rough = promising(scores(workshop, given.coarse, plain, np.inf, progress), STARTS, LEAST_PROMISE)
-        fitted += regressed(workshop, given, first_of_each(rough, 1), progress)
-    if hides and not any(explains(search) for _, search in fitted):
-        fitted += heats(scouted(workshop, given, rough, GROWING, HEATS[0][0], astray), HEATS, progress)
+    if afresh and (strained or normalised > CONCEALED) and not _explained(fitted):
+        fitted += _from_given(workshop, given, plain, ranked_by_evidence(fitted, deviance), astray, progress)
     ranked = ranked_by_evidence(fitted, deviance)
-    if quick or not ranked:
-        return ranked, _limits(scored)
-    if ranked[0].search.normalised > FLOOR:
-        ranked = ranked_by_evidence([*fitted, *_polished(workshop, given, ranked, proposals, astray, progress)], deviance)
-    elif ranked[0].proposal.physics == UNKNOWN:
-        better = [one for one in _polished(workshop, given, ranked, proposals, astray, progress) if _beats(one, ranked[0])]
-        ranked = ranked_by_evidence([*fitted, *better], deviance)
-    return ranked, _limits(scored)
+    if ranked and not quick:
+        fitted += _polished(workshop, given, ranked, proposals, astray, progress)
+    return ranked_by_evidence(fitted, deviance), _limits(scored)
+
+
+def _from_given(
+    workshop: Workshop,
+    given: Misfit,
+    proposals: Sequence[Proposal],
+    ranked: Sequence[Rival],
+    astray: float,
+    progress: Progress,
+) -> list[Entrant]:
+    """Claims from the values that the user gave: one way after the other, until a claim explains everything."""
+    found = _leader_again(workshop, given, ranked, progress)
+    if _explained(found):
+        return found
+    rough = promising(scores(workshop, given.coarse, proposals, np.inf, progress), STARTS, LEAST_PROMISE)
+    found += regressed(workshop, given, first_of_each(rough, 1), progress)
+    if _explained(found):
+        return found
+    return [*found, *heats(scouted(workshop, given, rough, GROWING, HEATS[0][0], astray), HEATS, progress)]
+
+
+def _explained(fitted: Iterable[Entrant]) -> bool:
+    return any(explains(search) for _, search in fitted)
 
 
 def _leader_again(workshop: Workshop, given: Misfit, ranked: Sequence[Rival], progress: Progress) -> list[Entrant]:
@@ -159,9 +171,14 @@ def _polished(
 ) -> list[Entrant]:
     """Every form of the leading claims, and of all claims where an unknown force leads to, searched from many starts.
 
-    The winner has not reached the noise floor, or is an estimate. Another form of its own, or of its closest rivals, may only
-    have been caught in a local optimum.
+    Only where the winner has not reached the noise floor, or is an estimate: another form of its own, or of its closest
+    rivals, may only have been caught in a local optimum. An estimate that reaches the noise gives way to what leaves less: of
+    many fine forms, some nearly imitate any force.
     """
+    winner = ranked[0]
+    at_noise = winner.search.normalised <= FLOOR
+    if at_noise and winner.proposal.physics != UNKNOWN:
+        return []
     forms = [p for p in proposals if p.physics != UNKNOWN and _leads(p, ranked)]
     starts: list[Start] = []
     for proposal in forms:
@@ -172,12 +189,8 @@ def _polished(
         origins = [origin.with_values(start) for start in ([new] if new else proposal.starts[:SCATTERED])]
         misfits = [misfit for one in origins for misfit in scattered(one, SCATTERED // len(origins))]
         starts += [(proposal, misfit.values(misfit.start())) for misfit in misfits]
-    return heats(scouted(workshop, given, starts, GROWING, POLISHING[0][0], astray), POLISHING, progress)
-
-
-def _beats(entrant: Entrant, table: Rival) -> bool:
-    """An estimate that reaches the noise gives way to what leaves less: of many fine forms, some nearly imitate any force."""
-    return entrant[1].deviance < table.search.deviance
+    ends = heats(scouted(workshop, given, starts, GROWING, POLISHING[0][0], astray), POLISHING, progress)
+    return [one for one in ends if not at_noise or one[1].deviance < winner.search.deviance]
 
 
 def _leads(proposal: Proposal, ranked: Sequence[Rival]) -> bool:
