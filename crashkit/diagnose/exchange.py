@@ -10,8 +10,8 @@ from crashkit.diagnose.workshop import Workshop
 
 MOST = 2
 """How many named causes of the last look are tried in the place of each finding."""
-GAIN = 20.0
-"""Chi squared that the exchange must gain."""
+GAIN = 10.0
+"""Log evidence that the exchange must gain."""
 
 
 def exchanged(
@@ -28,8 +28,7 @@ def exchanged(
     """
     if explains(search):
         return None
-    best = min(_exchanges(workshop, base_search, rounds, search, last), key=lambda one: one[1].deviance, default=None)
-    return best if best and best[1].deviance < search.deviance - GAIN else None
+    return min(_exchanges(workshop, base_search, rounds, search, last), key=lambda one: one[1].deviance, default=None)
 
 
 def _exchanges(
@@ -38,8 +37,10 @@ def _exchanges(
     named = [rival for rival in last.rivals if not is_unknown(rival)][:MOST]
     for rival in named:
         for place, look in enumerate(rounds):
-            rest, old = [*rounds[:place], *rounds[place + 1 :]], look.rivals[0]
+            rest = [*rounds[:place], *rounds[place + 1 :]]
             found = rebuild(workshop, base_search, [*(one.rivals[0] for one in rest), rival], rival.search)
             if found is not None:
-                new = rival_of(rival.proposal, found, search.deviance + old.drop)
-                yield [*rest, between(look, [new, old])], found
+                without = search.deviance + look.rivals[0].drop
+                old, new = rival_of(look.rivals[0].proposal, search, without), rival_of(rival.proposal, found, without)
+                if new.evidence > old.evidence + GAIN:
+                    yield [*rest, between(look, [new, old])], found
