@@ -10,7 +10,6 @@ from attrs import frozen
 from crashkit.errors import CrashkitError
 from crashkit.misfit import Group, Misfit
 from crashkit.misfit.predictor import initial_state
-from crashkit.model import Body
 from crashkit_identifiers.measured_rotation import rotation_curves
 from crashkit_identifiers.spline import Reading, enough, smoothed
 
@@ -42,26 +41,21 @@ def measured_motion(misfit: Misfit, run: str) -> xr.Dataset:
         `angular_velocity`, `angular_acceleration` and `angular_acceleration_std`; `seen` (body), whether all of that is known.
     """
     model, groups = misfit.model, tuple(group for group in misfit.groups if group.run == run)
-    return _measured(groups, tuple(_initial(misfit, run)), model.bodies, model.axes)
-
-
-@lru_cache(maxsize=32)
-def _measured(
-    groups: tuple[Group, ...], initial: tuple["_Initial", ...], bodies: tuple[Body, ...], model_axes: tuple[str, ...]
-) -> xr.Dataset:
-    """Remembered, because many models are tried on the same readings."""
-    times = _instants(groups)
-    found = [*_found(groups), *(one.reading for one in initial)]
-    axes = model_axes if len(model_axes) == 1 else XYZ
+    times, initial = _instants(groups), list(_initial(misfit, run))
+    axes = model.axes if len(model.axes) == 1 else XYZ
     parts = []
-    for body in bodies:
-        own = [reading for reading in found if reading.body == body.name]
-        position = dict(zip(model_axes, body.position, strict=True))
-        still = {axis: position.get(axis, 0.0) if body.fixed or axis not in model_axes else None for axis in axes}
-        columns = [_curves([r.reading for r in own if r.axis == axis], times, still[axis]) for axis in axes]
+    for body in model.bodies:
+        position = dict(zip(model.axes, body.position, strict=True))
+        columns = [
+            _still(position.get(axis, 0.0), len(times))
+            if body.fixed or axis not in model.axes
+            else _moved(groups, body.name, axis, tuple(one for one in initial if (one.body, one.axis) == (body.name, axis)))
+            for axis in axes
+        ]
         arrays = {name: np.column_stack([column[name] for column in columns]) for name in columns[0]}
         if len(axes) == 3:
-            arrays |= rotation_curves([(r.reading.times, r.quaternions) for r in own if r.axis == ""], times, body, model_axes)
+            turns = [(one.reading.times, one.quaternions) for one in _found(groups) if (one.body, one.axis) == (body.name, "")]
+            arrays |= rotation_curves(turns, times, body, model.axes)
         parts.append(arrays)
     variables = {
         name: (
@@ -72,7 +66,7 @@ def _measured(
         for name in parts[0]
     }
     seen = [all(np.isfinite(values).any() for values in part.values()) for part in parts]
-    coords = {"time": times, "body": [body.name for body in bodies], "axis": list(axes)}
+    coords = {"time": times, "body": [body.name for body in model.bodies], "axis": list(axes)}
     return xr.Dataset({**variables, "seen": ("body", seen)}, coords)
 
 
@@ -124,35 +118,24 @@ class _Found:
     quaternions: np.ndarray = np.empty((0, 4))
 
 
-@frozen
-class _Initial:
-    """One number of the state at t = 0, and what it is."""
-
-    body: str
-    axis: str
-    quantity: str
-    value: float
-
-    @property
-    def reading(self) -> _Found:
-        known = Reading(ORDERS[self.quantity], np.zeros(1), np.full(1, self.value), INITIAL[self.quantity])
-        return _Found(self.body, self.axis, known)
+@lru_cache(maxsize=16)
+def _found(groups: tuple[Group, ...]) -> tuple[_Found, ...]:
+    return tuple(found for group in groups for found in _found_in(group))
 
 
-def _found(groups: Sequence[Group]) -> Iterator[_Found]:
-    for group in groups:
-        seen = group.observer.reconstruct(group.dataset)
-        late = group.times >= 0.0
-        for quantity in (name for name in ORDERS if name in seen):
-            table = seen[quantity].transpose("time", "body", "axis")
-            for body in table["body"].values.tolist():
-                for axis in table["axis"].values.tolist():
-                    yield _Found(body, axis, _reading(group, quantity, body, axis, table.sel(body=body, axis=axis).values))
-        if "orientation" in seen:
-            for body in seen["body"].values.tolist():
-                turns = seen["orientation"].sel(body=body).transpose("time", "quaternion").values
-                keep = late & np.isfinite(turns).all(axis=1)
-                yield _Found(body, "", Reading(0, group.times[keep], np.empty(0), 1.0), turns[keep])
+def _found_in(group: Group) -> Iterator[_Found]:
+    seen = group.observer.reconstruct(group.dataset)
+    late = group.times >= 0.0
+    for quantity in (name for name in ORDERS if name in seen):
+        table = seen[quantity].transpose("time", "body", "axis")
+        for body in table["body"].values.tolist():
+            for axis in table["axis"].values.tolist():
+                yield _Found(body, axis, _reading(group, quantity, body, axis, table.sel(body=body, axis=axis).values))
+    if "orientation" in seen:
+        for body in seen["body"].values.tolist():
+            turns = seen["orientation"].sel(body=body).transpose("time", "quaternion").values
+            keep = late & np.isfinite(turns).all(axis=1)
+            yield _Found(body, "", Reading(0, group.times[keep], np.empty(0), 1.0), turns[keep])
 
 
 def _reading(group: Group, quantity: str, body: str, axis: str, values: np.ndarray) -> Reading:
@@ -167,6 +150,16 @@ def _reading(group: Group, quantity: str, body: str, axis: str, values: np.ndarr
     return Reading(ORDERS[quantity], group.times[keep], values[keep], std)
 
 
+@frozen
+class _Initial:
+    """One number of the state at t = 0."""
+
+    body: str
+    axis: str
+    quantity: str
+    value: float
+
+
 def _initial(misfit: Misfit, run: str) -> Iterator[_Initial]:
     state = initial_state(misfit.recordings[run], misfit.model)
     if state is None:
@@ -177,16 +170,25 @@ def _initial(misfit: Misfit, run: str) -> Iterator[_Initial]:
                 yield _Initial(body, axis, name, float(state[name].sel(body=body, axis=axis)))
 
 
-def _curves(readings: list[Reading], times: np.ndarray, still: float | None) -> dict[str, np.ndarray]:
-    """Position, velocity and acceleration along one axis, with their standard deviations; NaN where no instrument saw them."""
-    if still is not None:
-        curves = [(np.full(len(times), value), np.zeros(len(times))) for value in (still, 0.0, 0.0)]
-    elif enough(readings):
-        curves = smoothed(readings, times)
-    else:
-        curves = [(np.full(len(times), np.nan),) * 2] * 3
-    return {
-        name: values
-        for quantity, pair in zip(ORDERS, curves, strict=True)
-        for name, values in zip((quantity, f"{quantity}_std"), pair, strict=True)
-    }
+Curves = dict[str, np.ndarray]
+"""Position, velocity and acceleration along one axis, with their standard deviations."""
+
+
+@lru_cache(maxsize=256)
+def _moved(groups: tuple[Group, ...], body: str, axis: str, initial: tuple[_Initial, ...]) -> Curves:
+    """NaN where no instrument saw it. Remembered: a diagnosis tries many models on the same readings."""
+    readings = [found.reading for found in _found(groups) if (found.body, found.axis) == (body, axis)]
+    readings += [Reading(ORDERS[i.quantity], np.zeros(1), np.full(1, i.value), INITIAL[i.quantity]) for i in initial]
+    times = _instants(groups)
+    if not enough(readings):
+        return _named([(np.full(len(times), np.nan),) * 2] * 3)
+    return _named(smoothed(readings, times))
+
+
+def _still(value: float, count: int) -> Curves:
+    return _named([(np.full(count, one), np.zeros(count)) for one in (value, 0.0, 0.0)])
+
+
+def _named(curves: Sequence[tuple[np.ndarray, np.ndarray]]) -> Curves:
+    pairs = zip(ORDERS, curves, strict=True)
+    return {name: values for quantity, (mean, std) in pairs for name, values in ((quantity, mean), (f"{quantity}_std", std))}

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from attrs import frozen
 from scipy.interpolate import BSpline
-from scipy.linalg import eigh
+from scipy.linalg import qr, solve_triangular, svd
 
 DEGREE = 5
 MOST_KNOTS = 300
@@ -25,8 +25,9 @@ class Reading:
 
 
 def enough(readings: Sequence[Reading]) -> bool:
-    """Whether a spline can be put through the readings."""
-    return any(len(reading.times) >= 2 * DEGREE for reading in readings)
+    """Whether a spline can be put through the readings: accelerations alone leave open where and how fast all began."""
+    positions, speeds = (sum(len(one.times) for one in readings if one.order == order) for order in (0, 1))
+    return any(len(one.times) >= 2 * DEGREE for one in readings) and positions > 0 and positions + speeds > 1
 
 
 def smoothed(readings: Sequence[Reading], times: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -57,21 +58,23 @@ def _basis(knots: np.ndarray, times: np.ndarray, order: int) -> np.ndarray:
 
 
 def _roughness(knots: np.ndarray) -> np.ndarray:
-    """∫ f''' g''' dt of every pair of basis functions: three points of Gauss in each interval are exact."""
+    """Rows whose sum of squares is ∫ (f''')² dt: three points of Gauss in each interval are exact."""
     nodes, weights = np.polynomial.legendre.leggauss(3)
     ends = np.unique(knots)
     half = 0.5 * np.diff(ends)
     at = (0.5 * (ends[1:] + ends[:-1])[:, None] + half[:, None] * nodes).ravel()
-    third = _basis(knots, at, 3) * np.sqrt(half[:, None] * weights).ravel()[:, None]
-    return third.T @ third
+    return _basis(knots, at, 3) * np.sqrt(half[:, None] * weights).ravel()[:, None]
 
 
 def _fit(rows: np.ndarray, target: np.ndarray, roughness: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Coefficients of least penalised squares, with their covariance."""
-    square = rows.T @ rows
-    size = float(np.trace(square) / np.trace(roughness))
-    rough, vectors = eigh(size * roughness, square + size * roughness)
-    rough = np.clip(rough, 0.0, 1.0)
+    """Coefficients of least penalised squares, with their covariance.
+
+    By orthogonal factors: the squares of second derivatives and of a start that is known are too far apart to be added.
+    """
+    size = float(np.linalg.norm(rows) / np.linalg.norm(roughness))
+    factor, triangle = qr(np.concatenate([rows, size * roughness]), mode="economic")
+    _, values, turns = svd(factor[len(rows) :], full_matrices=False)
+    rough, vectors = np.minimum(values**2, 1.0), solve_triangular(triangle, turns.T)
     pulled, turned = vectors.T @ (rows.T @ target), rows @ vectors
 
     def gain(smoothing: float) -> np.ndarray:

@@ -11,7 +11,7 @@ from crashkit.registry import load
 from crashkit.testing import toys
 from crashkit_identifiers.measured import measured_motion
 from crashkit_identifiers.measured_rotation import rotation_curves
-from crashkit_identifiers.spline import Reading, smoothed
+from crashkit_identifiers.spline import Reading, enough, smoothed
 
 QUANTITIES = ("position", "velocity", "acceleration")
 
@@ -92,3 +92,31 @@ def test_a_body_whose_turning_nobody_saw_is_not_known():
     body = Body("car", (0.0, 0.0), (0.0, 0.0))
     found = rotation_curves([], np.linspace(0.0, 0.1, 11), body, ("x", "y"))
     assert all(np.isnan(values).all() for values in found.values())
+
+
+def test_a_short_test_of_light_bodies_has_a_motion_too():
+    """Second derivatives over 5 ms beside a start that is known to 10 µm: their squares are twenty orders apart."""
+    times = np.linspace(0.0, 5e-3, 301)
+    accelerated = Reading(2, times, 500.0 * np.sin(2e3 * times), 1e-3)
+    known = [Reading(0, np.zeros(1), np.zeros(1), 1e-5), Reading(1, np.zeros(1), np.full(1, -0.25), 1e-4)]
+    (position, _), *_ = smoothed([accelerated, *known], times)
+    assert position == pytest.approx(-1.25e-4 * np.sin(2e3 * times), abs=2e-6)
+
+
+def test_accelerations_alone_are_no_motion():
+    times = np.linspace(0.0, 0.1, 101)
+    accelerated, start = Reading(2, times, times, 1.0), Reading(0, np.zeros(1), np.zeros(1), 1e-5)
+    speed = Reading(1, np.zeros(1), np.zeros(1), 1e-4)
+    assert [enough(some) for some in ([accelerated], [accelerated, start], [accelerated, start, speed])] == [
+        False,
+        False,
+        True,
+    ]
+
+
+def test_many_models_share_what_was_measured(search, monkeypatch):
+    problem = search(toys.one_degree())
+    first = measured_motion(problem, "speed_1")
+    monkeypatch.setattr("crashkit_identifiers.measured.smoothed", lambda *_: pytest.fail("smoothed again"))
+    again = measured_motion(problem.with_values({"joint.first.crush_force": 1e4}), "speed_1")
+    xr.testing.assert_identical(first, again)
