@@ -13,7 +13,7 @@ from crashkit_identifiers.wrapped import SameVariables
 
 
 class EquationError(SameVariables):
-    """r = (a - f(X) U - g(X)) / s over every instant and moving body, with a and X measured (Mizzi & Jezequel 1992, eq 33).
+    """r = (a - f(X) U - g(X)) / s over every instant and body that forces move, with a and X measured (Mizzi & Jezequel 1992, eq 33).
 
     Nothing is simulated, so nothing can go astray; but the noise of X biases the forces, and smoothing rounds their corners.
 
@@ -41,7 +41,7 @@ class _Run:
     def __init__(self, misfit: Misfit, motion: xr.Dataset) -> None:
         motion = known(motion)
         self._form = StateForm(misfit.model, laws_of(misfit), motion)
-        self._moving = [row for row, body in enumerate(misfit.model.bodies) if not body.fixed]
+        self._moving = [row for row, body in enumerate(misfit.model.bodies) if not body.fixed and body.motion is None]
         names = [name for name in ("acceleration", "angular_acceleration") if name in motion]
         self._measured = np.concatenate([motion[name].values for name in names], axis=2)[:, self._moving]
         std = np.concatenate([motion[f"{name}_std"].values for name in names], axis=2)[:, self._moving]
