@@ -13,7 +13,9 @@ from crashkit_identifiers.wrapped import SameVariables
 
 
 class EquationError(SameVariables):
-    """r = (a - f(X) U - g(X)) / s over every instant and body that forces move, with a and X measured (Mizzi & Jezequel 1992, eq 33).
+    """r = (a - f(X) U - g(X)) / s over every instant and body that forces move (Mizzi & Jezequel 1992, eq 33).
+
+    The accelerations a and the states X are measured.
 
     Nothing is simulated, so nothing can go astray; but the noise of X biases the forces, and smoothing rounds their corners.
 
