@@ -87,13 +87,14 @@ def _contradicted(
 ) -> bool:
     """Whether what explains the fitted runs cannot explain them and the held-out ones together, whatever its numbers.
 
-    A prediction may also be off because the fitted runs do not tell a number, which says nothing against the model.
+    A prediction may also be off because the fitted runs do not tell a number, or because a form is off that leaves something
+    in them too: neither says that anything else is missing.
     """
     final = discovery.final
     workshop = workshop.equipped([final.model])
     unseen = _weighed_alike(workshop.first_misfit(final.model, holdout), final)
     told = all(channel.noise.trusted for channel in final.channels)
-    if not told or _normalised(final) > UNEXPLAINED or _normalised(unseen) < UNEXPLAINED:
+    if not told or _normalised(final) > FLOOR or _normalised(unseen) < UNEXPLAINED:
         return False
     together = _in_the_light_of(workshop, model, {**recordings, **holdout}, final)
     return refine(workshop.identifier, workshop.misfit(together, final.model)).normalised > UNEXPLAINED
