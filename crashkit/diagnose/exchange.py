@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator, Sequence
 
-from crashkit.diagnose.evidence import explains, rival_of
+from crashkit.diagnose.evidence import explains, ranked_by_evidence, rival_of
+from crashkit.diagnose.forms import in_all_forms
 from crashkit.diagnose.look import Round, between, is_unknown
-from crashkit.diagnose.rebuild import rebuild
 from crashkit.diagnose.search import Search
 from crashkit.diagnose.workshop import Workshop
 
@@ -38,9 +38,8 @@ def _exchanges(
     for rival in named:
         for place, look in enumerate(rounds):
             rest = [*rounds[:place], *rounds[place + 1 :]]
-            found = rebuild(workshop, base_search, [*(one.rivals[0] for one in rest), rival], rival.search)
-            if found is not None:
-                without = search.deviance + look.rivals[0].drop
-                old, new = rival_of(look.rivals[0].proposal, search, without), rival_of(rival.proposal, found, without)
-                if new.evidence > old.evidence + GAIN:
-                    yield [*rest, between(look, [new, old])], found
+            without = search.deviance + look.rivals[0].drop
+            forms = in_all_forms(workshop, base_search, rival, [one.rivals[0] for one in rest], search)
+            old, new = rival_of(look.rivals[0].proposal, search, without), ranked_by_evidence(forms, without)[:1]
+            if new and new[0].evidence > old.evidence + GAIN:
+                yield [*rest, between(look, [*new, old])], new[0].search

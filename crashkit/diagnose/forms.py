@@ -51,13 +51,14 @@ def in_best_forms(
 def in_all_forms(
     workshop: Workshop, base_search: Search, rival: Rival, others: Sequence[Rival], search: Search
 ) -> list[Entrant]:
-    """Fits of a claim in all its forms, from where its present one has driven all other numbers."""
+    """Fits of a claim in all its forms, from where its present one, or what stands in for it, has driven all other numbers."""
     without = rebuild(workshop, base_search, others, search)
     if without is None:
         return []
     origin, found = without.misfit.with_values_of(search.fitted()), search.misfit.values(search.point)
     forms = [p for p in propose_all(workshop.hypotheses, origin) if identity(p) == rival.identity]
-    if len(forms) < 2:
+    is_told = rival.proposal.parameters[0] in found
+    if is_told and len(forms) < 2:
         return []
     equipped = workshop.equipped([form.model for form in forms])
     starts = [(form, {**form.null, **start}) for form in forms for start in _starts(form, rival.proposal, found)]
