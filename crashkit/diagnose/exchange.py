@@ -17,7 +17,7 @@ GAIN = 10.0
 def exchanged(
     workshop: Workshop, base_search: Search, rounds: Sequence[Round], search: Search, last: Round
 ) -> tuple[list[Round], Search] | None:
-    """The findings with one of them exchanged, where as many explain more; None if none do.
+    """The findings with one of them exchanged, where that is more evident; None if none is.
 
     What stands out beside a stand-in explains too little to be told as one more, but more than that stand-in does.
 

@@ -3,7 +3,6 @@
 from types import SimpleNamespace
 
 import pytest
-from attrs import evolve
 
 from crashkit.diagnose import beginnings
 from crashkit.diagnose.evidence import Rival
@@ -24,7 +23,7 @@ def won_by(*rivals, nothing=0.0):
 
 
 FIRST = won_by(rival("plastic_unloading", "fading", 3000.0), rival("fracture", "compression", 5000.0))
-NOTHING = evolve(won_by(rival("bias", "constant", 1900.0)), nothing=1.0)
+NOTHING = won_by(rival("bias", "constant", 1900.0), nothing=1.0)
 RELAXATION = won_by(rival("relaxation", "maxwell", 900.0))
 FORMS = [rival("plastic_unloading", form, deviance) for form, deviance in (("fading", 3000.0), ("line", 4000.0))]
 
@@ -47,10 +46,7 @@ def begun(monkeypatch):
 
 
 def test_another_form_beside_which_a_second_effect_shows(begun):
-    beside = {
-        ("plastic_unloading", "line"): won_by(rival("relaxation", "maxwell", 900.0)),
-        ("fracture", "compression"): NOTHING,
-    }
+    beside = {("plastic_unloading", "line"): RELAXATION, ("fracture", "compression"): NOTHING}
     assert begun(beside) == [("plastic_unloading", "line"), ("relaxation", "maxwell")]
 
 

@@ -1,16 +1,19 @@
 """What the final fit can spare is not told, and what it cannot spare is."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from attrs import evolve
 
+from crashkit.diagnose import rounds as questioned
 from crashkit.diagnose.diagnosis import _is_worthless
 from crashkit.diagnose.evidence import Rival
 from crashkit.diagnose.left_out import left_out_drop
 from crashkit.diagnose.look import LEAST_DROP, Round, _is_given, _least_drop, settled
 from crashkit.diagnose.needed import needed, price
 from crashkit.diagnose.reidentify import reidentify
-from crashkit.diagnose.rounds import _corrects
+from crashkit.diagnose.rounds import _corrects, _reconsider
 from crashkit.diagnose.search import begin
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_body, with_joint
@@ -84,6 +87,27 @@ def test_a_table_corrects_a_law_that_was_named_at_its_place():
     assert not _corrects(rival("unknown", "rear"), named)
     assert not _corrects(rival("fracture", "front"), named)
     assert not _corrects(rival("unknown", "front"), [])
+
+
+@pytest.mark.parametrize(("alone", "left"), [(7000.0, ["fracture", "bias"]), (1150.0, ["bias"])])
+def test_a_finding_that_is_questioned_stays_unless_it_explains_too_little(monkeypatch, alone, left):
+    """Nothing convinces in its place; without it the model leaves so much."""
+
+    def one(physics):
+        proposal = Proposal(physics, "", {"joint": physics}, None, (), {})
+        return Round((Rival(proposal, None, 9000.0, 4500.0),), (1.0,), 0.0, None)
+
+    def without(workshop, base_search, rivals, last):
+        deviance = alone if [rival.proposal.physics for rival in rivals] == ["bias"] else 9000.0
+        return SimpleNamespace(deviance=deviance, normalised=1.5, fitted=lambda: None)
+
+    nothing = Round((), (), 1.0, None, least=180.0)
+    monkeypatch.setattr(questioned, "rebuild", without)
+    monkeypatch.setattr(questioned, "in_best_forms", lambda workshop, base, looks, search, progress: (looks, search))
+    monkeypatch.setattr(questioned, "look_again", lambda *_: nothing)
+    together = SimpleNamespace(deviance=1000.0, normalised=1.4)
+    kept, _ = _reconsider(None, None, None, [one("fracture"), one("bias")], together, None)
+    assert [look.rivals[0].proposal.physics for look in kept] == left
 
 
 def test_a_third_finding_must_explain_more_than_a_second():

@@ -93,7 +93,6 @@ class QuickRegression(StateFormRegression):
     """The state form from the start alone and at few instants: where to begin a search that simulates."""
 
     name: ClassVar[str] = "quick_state_form"
-    step_limit: int = 25
     instants: int = FEW
     factors: tuple[float, ...] = (1.0,)
 
