@@ -10,7 +10,6 @@ from crashkit.diagnose.contest import (
     Entrant,
     Progress,
     Start,
-    first_of_each,
     heats,
     identity,
     promising,
@@ -119,10 +118,10 @@ def _from_given(
     found = _leader_again(workshop, given, ranked, progress)
     if _explained(found):
         return found
-    rough = promising(scores(workshop, given.coarse, proposals, np.inf, progress), STARTS, LEAST_PROMISE)
-    found += regressed(workshop, given, first_of_each(rough, 1), progress)
+    found += regressed(workshop, given, proposals, progress)
     if _explained(found):
         return found
+    rough = promising(scores(workshop, given.coarse, proposals, np.inf, progress), STARTS, LEAST_PROMISE)
     return [*found, *heats(scouted(workshop, given, rough, GROWING, HEATS[0][0], astray), HEATS, progress)]
 
 

@@ -1,16 +1,18 @@
 """Where the equations of motion lead each claim along the motion that was measured: nothing is simulated, or leads astray."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from crashkit.campaign import spread
-from crashkit.diagnose.contest import Entrant, Progress, Start, first_of_each, heats
+from crashkit.diagnose.contest import Entrant, Progress, first_of_each, heats
 from crashkit.diagnose.search import begin_all
 from crashkit.diagnose.workshop import Workshop
 from crashkit.errors import CrashkitError
 from crashkit.misfit import Misfit
-from crashkit.protocols import Status
+from crashkit.protocols import Identifier, Proposal, Status
 
-STEPS = 25
+ROUNDS = ((None, 4), (2, 25))
+"""How many of the starts of a claim enter each round of a regression, and how many steps each gets there."""
 HEATS = ((16, 10), (5, 60))
 """How many of the forms that leave least of the equations are then simulated, and how many steps each gets."""
 
@@ -18,38 +20,46 @@ End = tuple[Mapping[str, float], float]
 """Values by path, and what they leave of the equations."""
 
 
-def regressed(workshop: Workshop, given: Misfit, starts: Sequence[Start], progress: Progress) -> list[Entrant]:
+def regressed(workshop: Workshop, given: Misfit, proposals: Sequence[Proposal], progress: Progress) -> list[Entrant]:
     """Searches from where a regression of the measured accelerations leads each claim, with the model's own numbers.
 
     An acceleration depends on what acts on that body at that instant, and not on what was wrong before or elsewhere. A claim
-    about an instrument, a law with a memory or a body that nothing sees has no such equation, and is left out.
+    about an instrument has no such equation, and is left out.
     """
     # This also measures the motion, before copies of this process would each do so.
-    if regression(workshop, given) is None:
+    if regression(workshop, [given]) is None:
         return []
-    told = [start for start in starts if not workshop.hypotheses[start[0].physics].sensor]
+    told = [proposal for proposal in proposals if not workshop.hypotheses[proposal.physics].sensor]
 
-    def end(start: Start) -> End | None:
-        proposal, values = start
-        return regression(workshop, workshop.misfit(given, proposal.model).with_values(values))
+    def end(proposal: Proposal) -> End | None:
+        origin = workshop.misfit(given, proposal.model).with_values_of(given)
+        return regression(workshop, [origin.with_values({**proposal.null, **start}) for start in proposal.starts])
 
     progress(f"regressing the equations of motion for {len(told)} claims", 0.0)
     ends = zip(told, spread(end, told), strict=True)
-    ranked = sorted(((start[0], one) for start, one in ends if one is not None), key=lambda entrant: entrant[1][1])
+    ranked = sorted(((proposal, one) for proposal, one in ends if one is not None), key=lambda entrant: entrant[1][1])
     ahead = first_of_each(ranked, 1)[: HEATS[0][0]]
     misfits = [workshop.misfit(given, proposal.model).with_values(values) for proposal, (values, _) in ahead]
     searches = begin_all(workshop.identifier, misfits)
     return heats(list(zip((proposal for proposal, _ in ahead), searches, strict=True)), HEATS, progress)
 
 
-def regression(workshop: Workshop, misfit: Misfit) -> End | None:
-    """Where a regression from the misfit's values ends; None where there are no such equations."""
+def regression(workshop: Workshop, misfits: Sequence[Misfit]) -> End | None:
+    """Where the best regression from the values of these misfits ends; None where there are no such equations."""
     try:
-        state = workshop.starter.start(misfit)
-        for _ in range(STEPS):
-            if state.status is not Status.RUNNING:
-                break
-            state = workshop.starter.step(misfit, state)
+        searches = [(misfit, workshop.starter.start(misfit)) for misfit in misfits]
+        for size, steps in ROUNDS:
+            ahead = sorted(searches, key=lambda search: search[1].cost)[:size]
+            searches = [(misfit, _advanced(workshop.starter, misfit, state, steps)) for misfit, state in ahead]
     except CrashkitError:
         return None
+    misfit, state = min(searches, key=lambda search: search[1].cost)
     return misfit.values(state.point), state.cost
+
+
+def _advanced(starter: Identifier[Any], misfit: Misfit, state: Any, steps: int) -> Any:
+    for _ in range(steps):
+        if state.status is not Status.RUNNING:
+            break
+        state = starter.step(misfit, state)
+    return state

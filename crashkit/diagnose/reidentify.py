@@ -46,7 +46,7 @@ def _found(finder: Identifier[Any], misfit: Misfit) -> np.ndarray:
 
 def _regressed(workshop: Workshop, misfit: Misfit) -> np.ndarray:
     """Where the regression ends, or the misfit's own values where there is none."""
-    end = regression(workshop, misfit)
+    end = regression(workshop, [misfit])
     return misfit.start() if end is None else misfit.start_at(end[0])
 
 

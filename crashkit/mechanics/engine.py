@@ -53,8 +53,8 @@ USED = ("kernel/arrays.py", "laws/linking.py", "laws/translate.py", "unaliased.p
 """What a generated module takes from crashkit as it is."""
 GEOMETRY = {1: ("line",), 2: ("plane",), 3: ("vectors", "rotations", "space")}
 """The modules of the kernel that know the geometry, by number of axes."""
-MODULES = ("forces", "steps", "landing", "tangents", "jumps", "history", "run", "adjoint")
-ENTRIES = ("integrate", "integrate_many", "sweep")
+MODULES = ("forces", "steps", "landing", "tangents", "jumps", "history", "run", "adjoint", "along")
+ENTRIES = ("integrate", "integrate_many", "sweep", "follow")
 DATED = 1_000_000_000
 """Modification time of a generated module: the same whoever writes it, so that compiled code stays valid."""
 LOCK = threading.Lock()

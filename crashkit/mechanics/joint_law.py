@@ -1,83 +1,121 @@
-"""The law of a joint with its factors as plain Python: the engine's branches and derivatives, one state at a time."""
+"""The law of a joint with its factors along states that are known: its branches, its force and the derivatives of that."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
+from attrs import frozen
 
-from crashkit.errors import CrashkitError
-from crashkit.mechanics.laws.plain import plain
-from crashkit.mechanics.laws.source import STATE, LawFunction
+from crashkit.errors import CrashkitError, SimulationError
+from crashkit.mechanics.engine import Engine
+from crashkit.mechanics.kernel.arrays import NONE, TO_MEMORY, TO_PARAMETERS, Floats, Integers
+from crashkit.mechanics.laws.source import LawFunction
+from crashkit.mechanics.layout import Laws, functions_of_joint, memory_rate
 from crashkit.model import Joint
-from crashkit.protocols import SpringLaw
 
-Modes = tuple[int, ...]
-"""The branches that a law and its factors take, one number each."""
+Numbers = list[Floats]
+"""The parameters of a law and of each of its factors."""
 
-NO_MEMORY = (0.0,)
-"""What stands for the memory of a law that has none."""
+
+@frozen(eq=False)
+class _Part:
+    """The law or a factor: its numbers in the engine, and the place of its parameters among those of the joint."""
+
+    number: int
+    memory_number: int
+    place: Integers
 
 
 class JointLaw:
-    """The force of a joint at any state (d, ddot, d_max), and its derivatives.
+    """The force of a joint at any states (d, ddot, d_max), and its derivatives.
 
     Arguments:
         joint: of the model.
         laws: installed laws and factors by name.
+        engine: that holds them.
 
     Attributes:
         paths: of the parameters that the law and its factors take, in order.
+        memory: what they remember beside the state; "" for nothing.
 
     Raises:
-        CrashkitError: a law is not installed, or has a memory of its own, which no state (d, ddot, d_max) tells.
+        CrashkitError: a law is not installed, or runs as plain Python.
     """
 
-    def __init__(self, joint: Joint, laws: Mapping[str, type[SpringLaw]]) -> None:
+    def __init__(self, joint: Joint, laws: Laws, engine: Engine) -> None:
         self.joint = joint
-        functions = [_function(joint, laws, name) for name in (joint.law, *joint.factors)]
+        functions = list(functions_of_joint(joint, laws))
+        engine.check_derivatives(functions)
         own = [tuple(_paths(joint, function)) for function in functions]
         self.paths = tuple(dict.fromkeys(path for paths in own for path in paths))
-        places = [np.array([self.paths.index(path) for path in paths], dtype=int) for paths in own]
-        self._parts = [(plain(function), place) for function, place in zip(functions, places, strict=True)]
+        self.memory = " and ".join(function.law.memory for function in functions if function.law.memory)
+        self._follow = engine.module.follow
+        self._parts = [
+            _Part(
+                engine.numbers[function],
+                engine.numbers[memory_rate(function)] if function.law.memory else int(NONE),
+                np.array([self.paths.index(path) for path in paths], dtype=int),
+            )
+            for function, paths in zip(functions, own, strict=True)
+        ]
         specs = [spec for function in functions for spec in function.law.parameters]
         self._omitted = {f"joint.{joint.name}.{spec.name}": spec.default for spec in specs if spec.default is not None}
 
-    def numbers(self, values: Mapping[str, float]) -> list[list[float]]:
+    def without_memory(self) -> "JointLaw":
+        """Itself; raises CrashkitError where it remembers something."""
+        if self.memory:
+            raise CrashkitError(
+                f"joint {self.joint.name}: expected a law without a memory of its own, "
+                f"found {self.joint.law}, whose {self.memory} no state tells"
+            )
+        return self
+
+    def numbers(self, values: Mapping[str, float]) -> Numbers:
         """The parameters of the law and of each factor, from values by path; what is omitted has the law's default."""
         known = {**self._omitted, **values}
-        return [[known[self.paths[i]] for i in place] for _, place in self._parts]
+        return [np.array([known[self.paths[i]] for i in part.place], dtype=float) for part in self._parts]
 
-    def modes(self, state: Sequence[float], numbers: Sequence[Sequence[float]]) -> Modes:
-        """The branches that a state takes."""
-        return tuple(law.mode(*state, *NO_MEMORY, own, 0) for (law, _), own in zip(self._parts, numbers, strict=True))
+    def modes(self, times: Floats, states: Floats, numbers: Numbers) -> Integers:
+        """The branches (function, time) that the law and its factors take along a motion that begins without memory.
 
-    def evaluate(self, state: Sequence[float], modes: Modes, numbers: Sequence[Sequence[float]]) -> tuple[float, np.ndarray]:
-        """The force, N, on given branches, and its derivatives to d, ddot, d_max and each of `paths`."""
-        force, slopes = 1.0, np.zeros(len(STATE) + len(self.paths))
-        inputs = len(STATE) + len(NO_MEMORY)
-        for (law, place), mode, own in zip(self._parts, modes, numbers, strict=True):
-            out = np.zeros(inputs + len(own))
-            try:
-                value = law.partials(mode, *state, *NO_MEMORY, own, 0, out)
-            except (ArithmeticError, ValueError) as error:
-                found = f"none at d = {state[0]:.6g} m, rate {state[1]:.6g} m/s ({error})"
-                raise CrashkitError(f"joint {self.joint.name}: expected a force, found {found}") from error
-            slopes *= value
-            slopes[: len(STATE)] += force * out[: len(STATE)]
-            np.add.at(slopes, len(STATE) + place, force * out[inputs:])
+        Arguments:
+            times: (time,) s.
+            states: (time, 3).
+            numbers: see `numbers`.
+        """
+        modes = np.zeros((len(self._parts), len(times)), dtype=np.int64)
+        for part, own, taken in zip(self._parts, numbers, modes, strict=True):
+            self._followed(part, times, states, own, taken, choose=True)
+        return modes
+
+    def evaluate(self, times: Floats, states: Floats, modes: Integers, numbers: Numbers) -> tuple[Floats, Floats]:
+        """The forces (time,), N, on given branches, and their derivatives to d, ddot, d_max and each of `paths`.
+
+        What a memory owes to the past counts as derivative to d, as if all deformations were shifted alike.
+        """
+        force, slopes = np.ones(len(times)), np.zeros((len(times), TO_MEMORY + len(self.paths)))
+        for part, own, taken in zip(self._parts, numbers, modes, strict=True):
+            value, changes = self._followed(part, times, states, own, taken, choose=False)
+            slopes *= value[:, None]
+            changes *= force[:, None]
+            slopes[:, :TO_MEMORY] += changes[:, :TO_MEMORY]
+            slopes[:, TO_MEMORY + part.place] += changes[:, TO_PARAMETERS:]
             force *= value
+        self._check(states, np.isfinite(force) & np.isfinite(slopes).all(axis=1))
         return force, slopes
 
+    def _followed(
+        self, part: _Part, times: Floats, states: Floats, own: Floats, modes: Integers, choose: bool
+    ) -> tuple[Floats, Floats]:
+        """The value of one function, and its derivatives."""
+        values, slopes = np.zeros(len(times)), np.zeros((len(times), TO_PARAMETERS + len(own)))
+        changes = np.zeros((2, slopes.shape[1]))
+        self._follow(part.number, part.memory_number, own, times, states, choose, modes, changes, values, slopes)
+        return values, slopes
 
-def _function(joint: Joint, laws: Mapping[str, type[SpringLaw]], name: str) -> LawFunction:
-    law = laws.get(name)
-    if law is None:
-        raise CrashkitError(f"joint {joint.name}: expected a law that is installed ({', '.join(sorted(laws))}), found {name}")
-    if law.memory:
-        raise CrashkitError(
-            f"joint {joint.name}: expected a law without a memory of its own, found {name}, whose {law.memory} no motion tells"
-        )
-    vectors = [joint.parameters[spec.name] for spec in law.parameters if spec.vector]
-    return LawFunction(law, tuple(len(entries) for entries in vectors if isinstance(entries, tuple)))
+    def _check(self, states: Floats, finite: np.ndarray) -> None:
+        if not finite.all():
+            d, rate, _ = states[np.argmin(finite)]
+            raise SimulationError(f"joint {self.joint.name}: expected a force, found none at d = {d:.6g} m, rate {rate:.6g} m/s")
 
 
 def _paths(joint: Joint, function: LawFunction) -> Iterator[str]:

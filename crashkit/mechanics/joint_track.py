@@ -7,8 +7,8 @@ import xarray as xr
 from attrs import frozen
 from scipy.spatial.transform import Rotation
 
-from crashkit.mechanics.joint_law import JointLaw, Modes
-from crashkit.mechanics.laws.source import STATE
+from crashkit.mechanics.joint_law import JointLaw
+from crashkit.mechanics.kernel.arrays import TO_D, TO_D_MAX, TO_MEMORY, Integers
 from crashkit.model import Joint, Model
 
 XYZ = ("x", "y", "z")
@@ -20,6 +20,7 @@ class Track:
 
     Arguments:
         law: what gives them.
+        times: (time,) s.
         distance, nearest: (time,) m, of its ends, and the least so far.
         rate: (time,) m s-1, of its deformation.
         length: m, its free length where the values do not give it.
@@ -27,37 +28,28 @@ class Track:
     """
 
     law: JointLaw
+    times: np.ndarray
     distance: np.ndarray
     nearest: np.ndarray
     rate: np.ndarray
     length: float
     ends: tuple[tuple[int, np.ndarray], tuple[int, np.ndarray]]
 
-    def picked(self, rows: Sequence[int]) -> "Track":
-        """The same at some instants."""
-        taken = list(rows)
-        ends = [(body, along[taken]) for body, along in self.ends]
-        return Track(self.law, self.distance[taken], self.nearest[taken], self.rate[taken], self.length, (ends[0], ends[1]))
-
     def states(self, values: Mapping[str, float]) -> np.ndarray:
         """(time, 3), deformation, its rate, and the largest deformation so far."""
         length = values.get(self._free_length, self.length)
         return np.column_stack([length - self.distance, self.rate, np.maximum(length - self.nearest, 0.0)])
 
-    def modes(self, values: Mapping[str, float]) -> list[Modes]:
-        """The branches that each state takes."""
-        numbers = self.law.numbers(values)
-        return [self.law.modes(state, numbers) for state in self.states(values).tolist()]
+    def modes(self, values: Mapping[str, float]) -> Integers:
+        """The branches (function, time) that the law and its factors take."""
+        return self.law.modes(self.times, self.states(values), self.law.numbers(values))
 
-    def push(self, modes: Sequence[Modes], values: Mapping[str, float], paths: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+    def push(self, modes: Integers, values: Mapping[str, float], paths: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
         """The forces (time,), N, on given branches, and their derivatives (time, parameter) to `paths`."""
-        numbers = self.law.numbers(values)
-        states = self.states(values).tolist()
-        rows = [self.law.evaluate(state, taken, numbers) for state, taken in zip(states, modes, strict=True)]
-        force, slopes = np.array([force for force, _ in rows]), np.array([slopes for _, slopes in rows])
-        known = {path: slopes[:, len(STATE) + i] for i, path in enumerate(self.law.paths)}
+        force, slopes = self.law.evaluate(self.times, self.states(values), modes, self.law.numbers(values))
+        known = {path: slopes[:, TO_MEMORY + i] for i, path in enumerate(self.law.paths)}
         # A longer free length deforms the joint more at every instant, and with it the largest deformation so far.
-        known[self._free_length] = slopes[:, 0] + slopes[:, 2]
+        known[self._free_length] = slopes[:, TO_D] + slopes[:, TO_D_MAX]
         return force, np.array([known.get(path, np.zeros(len(force))) for path in paths]).reshape(len(paths), -1).T
 
     @property
@@ -76,7 +68,7 @@ def track_of(model: Model, joint: Joint, law: JointLaw, motion: xr.Dataset) -> T
     # Against the flat face of the first body both forces act at the point of the second.
     first_arm = first.arm + apart if joint.normal is not None else first.arm
     ends = (first.row, -_wrench(direction, first_arm)), (second.row, _wrench(direction, second.arm))
-    return Track(law, distance, np.minimum.accumulate(distance), rate, length, ends)
+    return Track(law, motion["time"].values.astype(float), distance, np.minimum.accumulate(distance), rate, length, ends)
 
 
 def in_space(axes: Sequence[str], vector: Sequence[float]) -> np.ndarray:
@@ -106,8 +98,9 @@ class _End:
     def of(cls, model: Model, joint: Joint, number: int, motion: xr.Dataset) -> "_End":
         name = joint.bodies[number]
         point = joint.points[number] if joint.points else (0.0,) * len(model.axes)
-        position, velocity = (motion[q].sel(body=name).transpose("time", "axis").values for q in ("position", "velocity"))
         row = [body.name for body in model.bodies].index(name)
+        place = motion["body"].values.tolist().index(name)
+        position, velocity = (motion[q].transpose("time", "body", "axis").values[:, place] for q in ("position", "velocity"))
         own = in_space(model.axes, point)
         if len(model.axes) == 1:
             arm = np.broadcast_to(own, position.shape)

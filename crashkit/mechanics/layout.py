@@ -83,7 +83,7 @@ def lay_out(model: Model, laws: Laws) -> Layout:
     """The layout of a model; raises CrashkitError for what cannot be simulated."""
     index = {body.name: i for i, body in enumerate(model.bodies)}
     count, dof = len(model.axes), DOF[len(model.axes)]
-    functions = tuple(tuple(_functions(joint, laws)) for joint in model.joints)
+    functions = tuple(tuple(functions_of_joint(joint, laws)) for joint in model.joints)
     parameters: list[float] = []
     offsets = [0]
     slots: dict[str, tuple[int, ...]] = {}
@@ -117,7 +117,7 @@ def lay_out(model: Model, laws: Laws) -> Layout:
 
 def functions_of(model: Model, laws: Laws) -> frozenset[LawFunction]:
     """The functions that an engine must hold to simulate a model; unite those of several models for one engine."""
-    own = [function for joint in model.joints for function in _functions(joint, laws)]
+    own = [function for joint in model.joints for function in functions_of_joint(joint, laws)]
     return frozenset([*own, *(memory_rate(function) for function in own if function.law.memory)])
 
 
@@ -126,7 +126,7 @@ def memory_rate(function: LawFunction) -> LawFunction:
     return LawFunction(function.law, function.sizes, "memory_rate")
 
 
-def _functions(joint: Joint, laws: Laws) -> Iterator[LawFunction]:
+def functions_of_joint(joint: Joint, laws: Laws) -> Iterator[LawFunction]:
     """The law of a joint and then its factors, with the lengths of their vectors."""
     for name in (joint.law, *joint.factors):
         law = laws.get(name)

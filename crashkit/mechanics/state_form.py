@@ -1,17 +1,17 @@
 """The state form: between two crossings of thresholds the accelerations are f(X) U + g(X), linear in the parameters U."""
 
 from collections.abc import Mapping, Sequence
-from copy import copy
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from crashkit.mechanics.joint_law import JointLaw, Modes
+from crashkit.mechanics.engine import Engine, compile_engine
+from crashkit.mechanics.joint_law import JointLaw
 from crashkit.mechanics.joint_track import XYZ, Track, in_space, rotations, track_of
+from crashkit.mechanics.kernel.arrays import Integers
+from crashkit.mechanics.layout import Laws, functions_of
 from crashkit.model import Body, Model
-from crashkit.protocols import SpringLaw
 
 NUDGE = 1.25
 """What a parameter is multiplied by to see whether the equations are linear in it."""
@@ -20,14 +20,14 @@ INERTIA = {1: ((0, 0),), 3: ((0, 0), (1, 1), (2, 2)), 6: ((0, 0), (1, 1), (2, 2)
 """Which entries of the inertia matrix a body gives, by how many numbers it gives; in the plane that of the normal."""
 
 
-def state_form(model: Model, laws: Mapping[str, type[SpringLaw]], motion: xr.Dataset) -> xr.Dataset:
+def state_form(model: Model, laws: Laws, motion: xr.Dataset) -> xr.Dataset:
     """The equations of motion along a motion, as they depend on the model's free parameters.
 
     x'' = f(X) U + g(X) on each interval between two crossings (Mizzi & Jezequel 1992, eq 33). Where a parameter enters
     in another way (a threshold that multiplies a slope, a mass), f is the derivative, and `linear` says so.
 
     Arguments:
-        model: in one, two or three axes, with laws that have no memory of their own.
+        model: in one, two or three axes; what its laws remember is nothing at the first instant of the motion.
         laws: installed laws and factors by name.
         motion: `position` and `velocity` (time, body, axis), m and m s-1, of all the bodies that joints hold, from t = 0; in
             several axes also `orientation` and `angular_velocity`, as `Simulator.run` gives them.
@@ -61,25 +61,30 @@ def state_form(model: Model, laws: Mapping[str, type[SpringLaw]], motion: xr.Dat
 class StateForm:
     """The accelerations that a model gives its bodies along a motion, and their derivatives to its free parameters.
 
-    Arguments: those of `state_form`.
+    Arguments:
+        model, laws, motion: those of `state_form`.
+        engine: one that holds the model's functions; None: one of its own.
 
     Attributes:
         paths: of the free parameters of bodies and joints.
         tracks: the joints along the motion.
     """
 
-    def __init__(self, model: Model, laws: Mapping[str, type[SpringLaw]], motion: xr.Dataset) -> None:
+    def __init__(self, model: Model, laws: Laws, motion: xr.Dataset, engine: Engine | None = None) -> None:
         self.model, self.motion = model, motion
+        engine = engine or compile_engine(functions_of(model, laws), len(model.axes))
         self.paths = tuple(path for path in model.free_parameters() if not path.startswith("instrument."))
-        self.tracks: list[Track] = [track_of(model, joint, JointLaw(joint, laws), motion) for joint in model.joints]
+        self.tracks: list[Track] = [
+            track_of(model, joint, JointLaw(joint, laws, engine), motion) for joint in model.joints
+        ]
         self._dof = 1 if len(model.axes) == 1 else 6
         self._loads = _given_loads(model, motion, self._dof)
 
-    def modes(self, values: Mapping[str, float]) -> list[list[Modes]]:
-        """The branches that each joint takes at each instant."""
+    def modes(self, values: Mapping[str, float]) -> list[Integers]:
+        """The branches (function, time) that each joint takes."""
         return [track.modes(values) for track in self.tracks]
 
-    def at(self, values: Mapping[str, float], modes: Sequence[Sequence[Modes]]) -> tuple[np.ndarray, np.ndarray]:
+    def at(self, values: Mapping[str, float], modes: Sequence[Integers]) -> tuple[np.ndarray, np.ndarray]:
         """Accelerations (time, body, axis), m s-2, on given branches, and their derivatives (..., parameter).
 
         In several axes the three of each body are followed by its angular accelerations, rad s-2.
@@ -98,29 +103,19 @@ class StateForm:
             load[:, row], slopes[:, row] = self._response(row, body, load[:, row], slopes[:, row], values)
         return load, slopes
 
-    def linear(self, values: Mapping[str, float], modes: Sequence[Sequence[Modes]]) -> np.ndarray:
+    def linear(self, values: Mapping[str, float], modes: Sequence[Integers]) -> np.ndarray:
         """Whether no derivative changes with a parameter while the branches are held, (parameter,)."""
-        rows = _ends_of_intervals(_changed(modes, len(self._loads)))
-        few, taken = self._picked(rows), [[sequence[row] for row in rows] for sequence in modes]
-        matrix = few.at(values, taken)[1]
+        matrix = self.at(values, modes)[1]
         size = 1e-9 * np.abs(matrix).max(axis=(0, 1, 2), initial=0.0)
         nudges = [{**values, path: values[path] * NUDGE if values[path] else NUDGE} for path in self.paths]
-        changes = [np.abs(few.at(nudge, taken)[1] - matrix).max(axis=(0, 1, 2), initial=0.0) for nudge in nudges]
+        changes = [np.abs(self.at(nudge, modes)[1] - matrix).max(axis=(0, 1, 2), initial=0.0) for nudge in nudges]
         return np.array([bool(np.all(change <= size)) for change in changes], dtype=bool)
-
-    def _picked(self, rows: Sequence[int]) -> "StateForm":
-        """The same at some instants."""
-        few = copy(self)
-        few.motion = self.motion.isel(time=list(rows))
-        few.tracks = [track.picked(rows) for track in self.tracks]
-        few._loads = self._loads[list(rows)]
-        return few
 
     def _response(
         self, row: int, body: Body, load: np.ndarray, slopes: np.ndarray, values: Mapping[str, float]
     ) -> tuple[np.ndarray, np.ndarray]:
         """The accelerations that a load (time, axis) gives a body, and their derivatives."""
-        if not _moves(body):
+        if not body.is_free:
             return np.zeros_like(load), np.zeros_like(slopes)
         mass, path = values[f"body.{body.name}.mass"], f"body.{body.name}.mass"
         straight = min(self._dof, 3)
@@ -173,11 +168,6 @@ def _unit_inertia(model: Model, entry: tuple[int, int]) -> np.ndarray:
     return matrix
 
 
-def _moves(body: Body) -> bool:
-    """Whether forces move it."""
-    return not body.fixed and body.motion is None
-
-
 def _given_loads(model: Model, motion: xr.Dataset, dof: int) -> np.ndarray:
     """The forces and moments (time, body, axis) that a test puts on its bodies."""
     times = motion["time"].values
@@ -203,11 +193,11 @@ def _moment(model: Model, moment: Sequence[float]) -> np.ndarray:
     return np.asarray(moment[0] * np.cross(first, second))
 
 
-def _changed(modes: Sequence[Sequence[Modes]], count: int) -> np.ndarray:
+def _changed(modes: Sequence[Integers], count: int) -> np.ndarray:
     """Whether a joint takes other branches than at the instant before, (time, joint)."""
     changed = np.zeros((count, len(modes)), dtype=bool)
-    for joint, sequence in enumerate(modes):
-        changed[1:, joint] = [before != after for before, after in pairwise(sequence)]
+    for joint, taken in enumerate(modes):
+        changed[1:, joint] = (np.diff(taken) != 0).any(axis=0)
     return changed
 
 
@@ -217,10 +207,11 @@ def _ends_of_intervals(changed: np.ndarray) -> list[int]:
     return [row for pair in zip([0, *starts], [*(row - 1 for row in starts), len(changed) - 1], strict=True) for row in pair]
 
 
-def _intervals(model: Model, times: np.ndarray, modes: Sequence[Sequence[Modes]]) -> xr.Dataset:
+def _intervals(model: Model, times: np.ndarray, modes: Sequence[Integers]) -> xr.Dataset:
     """The branches as numbers, and the sequence of intervals that all joints share."""
-    codes = [{taken: number for number, taken in enumerate(dict.fromkeys(sequence))} for sequence in modes]
-    branch = np.array([[code[taken] for taken in sequence] for code, sequence in zip(codes, modes, strict=True)], dtype=int)
+    sequences = [list(map(tuple, taken.T.tolist())) for taken in modes]
+    codes = [{taken: number for number, taken in enumerate(dict.fromkeys(sequence))} for sequence in sequences]
+    branch = np.array([[code[taken] for taken in sequence] for code, sequence in zip(codes, sequences, strict=True)], dtype=int)
     branch = branch.reshape(len(modes), len(times)).T
     changed = _changed(modes, len(times))
     ends = _ends_of_intervals(changed)

@@ -37,3 +37,8 @@ class Body:
     angular_velocity: tuple[float, ...] = field(default=())
     motion: GivenMotion | None = None
     force: GivenForce | None = None
+
+    @property
+    def is_free(self) -> bool:
+        """Whether forces move it."""
+        return not self.fixed and self.motion is None

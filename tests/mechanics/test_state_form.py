@@ -88,8 +88,19 @@ def rated(model):
     return with_factor(longer, joint.name, "rate_linear", {"rate_slope": Parameter(0.01)})
 
 
+def remembering(model):
+    """The model with a force that fades in its first joint and bristles in the second: laws with a memory."""
+    first, second = model.joints
+    fading = {"fresh_share": Parameter(0.8), "relaxation_time": Parameter(0.02), "holds": Parameter(1.0, fixed=True)}
+    bristles = {"friction_force": Parameter(3e4), "bristle_length": Parameter(0.02)}
+    first = evolve(first, law=f"{first.law} ~ quasi_linear", parameters={**first.parameters, **fading})
+    second = evolve(second, law="dahl", parameters=bristles)
+    return evolve(model, joints=(first, second))
+
+
 MODELS = {
     "line": lambda checkout: everything_free(rated(toys.two_degrees(1.5))),
+    "memory": lambda checkout: everything_free(remembering(rated(toys.two_degrees(1.5)))),
     "plane": lambda checkout: everything_free(load_model(checkout / "docs/examples/obstacles/movable_barrier.toml")),
     "faces": lambda checkout: everything_free(load_model(checkout / "docs/examples/figure-3/oblique.toml")),
     "space": lambda checkout: everything_free(load_model(checkout / "docs/examples/drop/corner_drop.toml")),
@@ -142,10 +153,3 @@ def test_a_law_that_is_not_installed_is_named(laws):
     other = evolve(model, joints=(evolve(model.joints[0], law="rubber"),))
     with pytest.raises(CrashkitError, match="joint first: expected a law that is installed .* found rubber"):
         state_form(other, laws, simulated(model, laws))
-
-
-def test_a_law_with_a_memory_of_its_own_is_refused(laws):
-    remembering = type("Remembering", (laws["crush_plateau"],), {"memory": "strain"})
-    model = toys.one_degree()
-    with pytest.raises(CrashkitError, match="joint first: .* found crush_plateau, whose strain no motion tells"):
-        state_form(model, {"crush_plateau": remembering}, simulated(model, laws))

@@ -14,7 +14,7 @@ from crashkit.protocols import Identification, Identifier, Problem, Status
 from crashkit_identifiers.force_surface import Surface, fitted, interpolated, readings_of
 from crashkit_identifiers.levenberg_marquardt import Limits, Search, advance, begin
 from crashkit_identifiers.measured import known, measured_motions, require_seen
-from crashkit_identifiers.recorded import laws_of, require_plain_line, with_recordings
+from crashkit_identifiers.recorded import engine_of, laws_of, require_plain_line, with_recordings
 from crashkit_identifiers.result import Path, conclude
 from crashkit_identifiers.wrapped import SameVariables
 
@@ -106,7 +106,7 @@ class _LawFit(SameVariables):
     def __init__(self, misfit: Misfit, measured: Mapping[str, xr.Dataset], surfaces: Mapping[str, Surface]) -> None:
         super().__init__(misfit)
         self.misfit = misfit
-        forms = [StateForm(misfit.model, laws_of(misfit), known(motion)) for motion in measured.values()]
+        forms = [StateForm(misfit.model, laws_of(misfit), known(motion), engine_of(misfit)) for motion in measured.values()]
         self._tracks = [track for form in forms for track in form.tracks]
         own = {path: parameter.value for path, parameter in misfit.model.parameters().items()}
         places = [(surfaces[track.law.joint.name], track.states(own)[:, :2].T) for track in self._tracks]

@@ -7,15 +7,16 @@ import xarray as xr
 
 from crashkit.mechanics.state_form import StateForm
 from crashkit.misfit import Misfit
-from crashkit_identifiers.measured import known
-from crashkit_identifiers.recorded import laws_of
+from crashkit_identifiers.measured import known, unseen
+from crashkit_identifiers.partly_seen import PartlySeen
+from crashkit_identifiers.recorded import engine_of, laws_of
 from crashkit_identifiers.wrapped import SameVariables
 
 
 class EquationError(SameVariables):
     """r = (a - f(X) U - g(X)) / s over every instant and body that forces move (Mizzi & Jezequel 1992, eq 33).
 
-    The accelerations a and the states X are measured.
+    The accelerations a and the states X are measured. In one axis, what is not seen is simulated along it.
 
     Nothing is simulated, so nothing can go astray; but the noise of X biases the forces, and smoothing rounds their corners.
 
@@ -27,7 +28,10 @@ class EquationError(SameVariables):
     def __init__(self, misfit: Misfit, measured: Mapping[str, xr.Dataset]) -> None:
         super().__init__(misfit)
         self.misfit = misfit
-        self._runs = [_Run(misfit, motion) for motion in measured.values()]
+        self._runs = [
+            PartlySeen(misfit, run, motion) if unseen(misfit, motion) else Seen(misfit, motion)
+            for run, motion in measured.items()
+        ]
 
     def residual_and_jacobian(self, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What the equations leave of the measured accelerations, and its derivatives to the search variables."""
@@ -37,13 +41,13 @@ class EquationError(SameVariables):
         return residual, jacobian * self.scaling(scaled)
 
 
-class _Run:
-    """The equations along the measured motion of one run."""
+class Seen:
+    """The equations along the measured motion of one run that every body is seen in."""
 
     def __init__(self, misfit: Misfit, motion: xr.Dataset) -> None:
         motion = known(motion)
-        self._form = StateForm(misfit.model, laws_of(misfit), motion)
-        self._moving = [row for row, body in enumerate(misfit.model.bodies) if not body.fixed and body.motion is None]
+        self._form = StateForm(misfit.model, laws_of(misfit), motion, engine_of(misfit))
+        self._moving = [row for row, body in enumerate(misfit.model.bodies) if body.is_free]
         names = [name for name in ("acceleration", "angular_acceleration") if name in motion]
         self._measured = np.concatenate([motion[name].values for name in names], axis=2)[:, self._moving]
         std = np.concatenate([motion[f"{name}_std"].values for name in names], axis=2)[:, self._moving]

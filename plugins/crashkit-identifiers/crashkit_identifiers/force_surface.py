@@ -12,7 +12,7 @@ from scipy.spatial import Delaunay, QhullError, cKDTree
 from crashkit.errors import CrashkitError
 from crashkit.mechanics.state_form import StateForm
 from crashkit.misfit import Misfit
-from crashkit_identifiers.recorded import laws_of
+from crashkit_identifiers.recorded import engine_of, laws_of
 
 RIDGES = np.logspace(-11.0, 1.0, 49)
 """Of the squared coefficients against the misfit, as shares of the largest curvature."""
@@ -120,11 +120,11 @@ def readings_of(misfit: Misfit, measured: Mapping[str, xr.Dataset], per_run: int
     for number, motion in enumerate(measured.values()):
         acceleration, std = (motion[name].values[:, rows, 0] for name in ("acceleration", "acceleration_std"))
         keep = _spread(acceleration, std, per_run)
-        for track in StateForm(model, laws_of(misfit), motion).tracks:
+        for track in StateForm(model, laws_of(misfit), motion, engine_of(misfit)).tracks:
             push = np.zeros((len(keep), len(model.bodies)))
             for row, unit in track.ends:
                 push[:, row] = unit[keep, 0]
-            states[track.law.joint.name].append(track.states(values)[keep, :2])
+            states[track.law.without_memory().joint.name].append(track.states(values)[keep, :2])
             along[track.law.joint.name].append(push[:, rows])
         loads.append(masses * acceleration[keep])
         stds.append(masses * np.sqrt(np.mean(std[keep] ** 2, axis=0)))

@@ -6,7 +6,10 @@ from attrs import define
 
 from crashkit.mechanics.joint_law import JointLaw
 from crashkit.misfit import Misfit
-from crashkit_identifiers.recorded import laws_of
+from crashkit_identifiers.recorded import engine_of, laws_of
+
+INSTANT = np.zeros(1)
+"""Any: only memories tell one from another."""
 
 
 @define
@@ -45,7 +48,7 @@ class LineDynamics:
         self._still = {body.name: body.position[0] for body in model.bodies if body.fixed}
         self._springs = []
         for joint in model.joints:
-            law, points = JointLaw(joint, laws), joint.points or ((0.0,), (0.0,))
+            law, points = JointLaw(joint, laws, engine_of(misfit)).without_memory(), joint.points or ((0.0,), (0.0,))
             apart = start[joint.bodies[1]] + points[1][0] - start[joint.bodies[0]] - points[0][0]
             side = 1.0 if apart >= 0.0 else -1.0
             length = abs(apart) if joint.free_length is None else joint.free_length.value
@@ -93,8 +96,9 @@ class LineDynamics:
             d, rate = self._deformation(spring, state)
             largest = max(spring.largest, d)
             numbers = spring.law.numbers(values)
-            own = (d, rate, largest)
-            push, slopes = spring.law.evaluate(own, spring.law.modes(own, numbers), numbers)
+            own = np.array([[d, rate, largest]])
+            modes = spring.law.modes(INSTANT, own, numbers)
+            (push,), (slopes,) = spring.law.evaluate(INSTANT, own, modes, numbers)
             by_d = slopes[0] + (slopes[2] if d >= largest else 0.0)
             ends = [(spring.first, -spring.side), (spring.second, spring.side)]
             for row, sign in ends:

@@ -77,14 +77,19 @@ def measured_motions(misfit: Misfit) -> dict[str, xr.Dataset]:
 
 def require_seen(misfit: Misfit, measured: Mapping[str, xr.Dataset], method: str) -> None:
     """Raise CrashkitError where the instruments of a run did not see all of the motion of a body that a joint holds."""
-    bodies = list(dict.fromkeys(body for joint in misfit.model.joints for body in joint.bodies))
     for run, motion in measured.items():
-        missing = [body for body in bodies if not bool(motion["seen"].sel(body=body))]
+        missing = unseen(misfit, motion)
         if missing:
             raise CrashkitError(
                 f"{run}: {method} needs the measured motion of every body that a joint holds, found none of "
                 f"{', '.join(missing)}; a method that simulates, for example sensitivity, does without"
             )
+
+
+def unseen(misfit: Misfit, motion: xr.Dataset) -> list[str]:
+    """The bodies that a joint holds, and that the instruments of a run did not see all of."""
+    bodies = dict.fromkeys(body for joint in misfit.model.joints for body in joint.bodies)
+    return [body for body in bodies if not bool(motion["seen"].sel(body=body))]
 
 
 def known(motion: xr.Dataset) -> xr.Dataset:

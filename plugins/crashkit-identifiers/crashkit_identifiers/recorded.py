@@ -3,6 +3,7 @@
 import numpy as np
 
 from crashkit.errors import CrashkitError
+from crashkit.mechanics import Engine
 from crashkit.mechanics.layout import Laws
 from crashkit.misfit import Misfit
 from crashkit.protocols import Problem
@@ -26,9 +27,14 @@ def require_plain_line(misfit: Misfit, method: str) -> None:
         raise CrashkitError(f"{method}: expected bodies that only joints move, found {found}; {others}")
 
 
+def engine_of(misfit: Misfit) -> Engine:
+    """What simulates the model."""
+    return misfit.predictor.simulator.engine
+
+
 def laws_of(misfit: Misfit) -> Laws:
     """The laws and factors of the model, by name."""
-    return {function.law.name: function.law for function in misfit.predictor.simulator.engine.numbers}
+    return {function.law.name: function.law for function in engine_of(misfit).numbers}
 
 
 def row_times(misfit: Misfit) -> np.ndarray:

@@ -1,16 +1,14 @@
 """The state form: a regression of measured accelerations, which needs no simulation and hardly a start."""
 
-from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
-import xarray as xr
 from attrs import evolve, frozen
 
 from crashkit.protocols import Identification, Identifier, Problem, Status
 from crashkit_identifiers.equation_error import EquationError
 from crashkit_identifiers.levenberg_marquardt import Limits, Search, advance, begin
-from crashkit_identifiers.measured import measured_motions, require_seen, thinned
+from crashkit_identifiers.measured import measured_motions, thinned
 from crashkit_identifiers.recorded import with_recordings
 from crashkit_identifiers.result import Path, conclude
 from crashkit_identifiers.wrapped import SameVariables
@@ -22,10 +20,10 @@ FEW = 80
 
 @frozen(eq=False)
 class RegressionState:
-    """Where the regression stands, and the measured motion of each run."""
+    """Where the regression stands, and the equations along the measured motions."""
 
     search: Search
-    measured: Mapping[str, xr.Dataset]
+    equations: EquationError
 
     @property
     def point(self) -> np.ndarray:
@@ -54,8 +52,8 @@ class StateFormRegression(Identifier[RegressionState]):
 
     Linear while no threshold is crossed at another instant than before, so it is solved again as the intervals move. A
     threshold beyond all that was measured is felt by nothing, so it begins at the best of several multiples of the start. It
-    starts other methods well. Every body that a joint holds must be seen by an instrument, and no law may have a memory of
-    its own.
+    starts other methods well. What a law remembers is integrated along the measured motion, and in one axis a body that no
+    instrument sees is simulated beside it; in several every body that a joint holds must be seen.
 
     Arguments:
         step_limit: steps after which the search ends unconverged.
@@ -72,16 +70,16 @@ class StateFormRegression(Identifier[RegressionState]):
         """The state at the best of some multiples of the problem's own start."""
         misfit = with_recordings(problem, self.name)
         measured = measured_motions(misfit)
-        require_seen(misfit, measured, self.name)
         if self.instants:
             measured = {run: thinned(motion, self.instants) for run, motion in measured.items()}
-        searches = [begin(_From(EquationError(misfit, measured), factor)) for factor in self.factors]
-        return RegressionState(min(searches, key=lambda search: search.cost), measured)
+        equations = EquationError(misfit, measured)
+        searches = [begin(_From(equations, factor)) for factor in self.factors]
+        return RegressionState(min(searches, key=lambda search: search.cost), equations)
 
     def step(self, problem: Problem, state: RegressionState) -> RegressionState:
         """One solution on the intervals that hold now."""
-        inner = EquationError(with_recordings(problem, self.name), state.measured)
-        return evolve(state, search=advance(inner, state.search, Limits(tolerance=1e-8, steps=self.step_limit)))
+        limits = Limits(tolerance=1e-8, steps=self.step_limit)
+        return evolve(state, search=advance(state.equations, state.search, limits))
 
     def finish(self, problem: Problem, state: RegressionState) -> Identification:
         """The parameters, with what the recordings themselves say of them."""

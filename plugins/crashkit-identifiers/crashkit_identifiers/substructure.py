@@ -8,8 +8,9 @@ from attrs import evolve
 
 from crashkit.mechanics import Engine
 from crashkit.misfit import Misfit
-from crashkit.model import Body, GivenMotion, Model
+from crashkit.model import Model
 from crashkit_identifiers.measured import known
+from crashkit_identifiers.rails import on_rails
 from crashkit_identifiers.recorded import laws_of
 
 
@@ -68,29 +69,8 @@ def _cut(model: Model, name: str, motion: xr.Dataset) -> Model:
     joints = tuple(joint for joint in model.joints if name in joint.bodies)
     near = {end for joint in joints for end in joint.bodies}
     bodies = [body for body in model.bodies if body.name in near]
-    cut = tuple(body if body.name == name or body.fixed else _on_rails(model, body, known(motion)) for body in bodies)
+    cut = tuple(body if body.name == name or body.fixed else on_rails(model, body, known(motion)) for body in bodies)
     return evolve(model, bodies=cut, joints=joints, instruments=())
-
-
-def _on_rails(model: Model, body: Body, motion: xr.Dataset) -> Body:
-    """A body whose motion is imposed as it was measured."""
-    own = motion.sel(body=body.name)
-    position = own["position"].sel(axis=list(model.axes)).transpose("time", "axis").values
-    times, places = tuple(own["time"].values.tolist()), tuple(map(tuple, position.tolist()))
-    imposed = GivenMotion(times, places, _orientations(model, own))
-    return evolve(body, mass=None, inertia=(), motion=imposed)
-
-
-def _orientations(model: Model, own: xr.Dataset) -> tuple[tuple[float, ...], ...]:
-    """Quaternions in space, angles in the plane, nothing in one axis."""
-    if len(model.axes) == 1:
-        return ()
-    quaternions = own["orientation"].transpose("time", "quaternion").values
-    if len(model.axes) == 3:
-        return tuple(map(tuple, quaternions.tolist()))
-    first, second = (np.eye(3)["xyz".index(axis)] for axis in model.axes)
-    angles = 2.0 * np.arctan2(quaternions[:, 1:] @ np.cross(first, second), quaternions[:, 0])
-    return tuple((angle,) for angle in np.unwrap(angles).tolist())
 
 
 def _own(misfit: Misfit, run: str, body: str) -> xr.DataTree:

@@ -13,7 +13,7 @@ from crashkit_identifiers.cost import cost_at
 from crashkit_identifiers.levenberg_marquardt import Limits, Search, advance, begin
 from crashkit_identifiers.measured import measured_motions, require_seen
 from crashkit_identifiers.parabola import modes
-from crashkit_identifiers.recorded import with_recordings
+from crashkit_identifiers.recorded import engine_of, with_recordings
 from crashkit_identifiers.result import Path, conclude
 from crashkit_identifiers.substructure import Substructure
 
@@ -102,11 +102,11 @@ class Substructuring(Identifier[SubstructuringState]):
 def _moving(misfit: Misfit) -> list[str]:
     """The bodies that forces move, and that a joint holds."""
     held = {body for joint in misfit.model.joints for body in joint.bodies}
-    return [body.name for body in misfit.model.bodies if body.name in held and not body.fixed and body.motion is None]
+    return [body.name for body in misfit.model.bodies if body.name in held and body.is_free]
 
 
 def _substructure(misfit: Misfit, measured: Mapping[str, xr.Dataset], number: int) -> Substructure:
-    return Substructure(misfit, measured, _moving(misfit)[number], misfit.predictor.simulator.engine)
+    return Substructure(misfit, measured, _moving(misfit)[number], engine_of(misfit))
 
 
 def _joined(misfit: Misfit, start: np.ndarray, parts: tuple[Testimony, ...]) -> np.ndarray:
