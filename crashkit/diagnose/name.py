@@ -119,7 +119,7 @@ def _from_given(
     if _explained(found):
         return found
     found += regressed(workshop, given, proposals, progress)
-    if _explained(found):
+    if any(_reaches_noise(proposal, search) for proposal, search in found):
         return found
     rough = promising(scores(workshop, given.coarse, proposals, np.inf, progress), STARTS, LEAST_PROMISE)
     return [*found, *heats(scouted(workshop, given, rough, GROWING, HEATS[0][0], astray), HEATS, progress)]
@@ -127,6 +127,12 @@ def _from_given(
 
 def _explained(fitted: Iterable[Entrant]) -> bool:
     return any(explains(search) for _, search in fitted)
+
+
+def _reaches_noise(proposal: Proposal, search: Search) -> bool:
+    """Whether known physics does, with believable numbers; of what has equations of motion, all had the same chance."""
+    departure = search.misfit.departure(search.point)
+    return proposal.physics != UNKNOWN and search.normalised <= FLOOR and departure < STRAINED
 
 
 def _leader_again(workshop: Workshop, given: Misfit, ranked: Sequence[Rival], progress: Progress) -> list[Entrant]:

@@ -5,8 +5,11 @@ from attrs import evolve
 
 from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.regress import regressed
-from crashkit.model import Parameter
+from crashkit.model import Body, Joint, Parameter
+from crashkit.model.edit import with_body, with_joint
 
+FADING = {"fresh_share": 0.6, "relaxation_time": 0.03, "holds": 1.0}
+LOAD = {"mass": 150.0, "stiffness": 5e4, "damping": 500.0}
 STOP = {"stiffness": 3e5, "stop_deformation": 0.4}
 SPEEDS = {"slow": 0.9, "fast": 1.3}
 
@@ -16,32 +19,56 @@ def silent(doing, share):
 
 
 @pytest.fixture
-def starts(workshop):
-    """Claims of some physics from their first starts, at the values that the user gave."""
+def claims(workshop):
+    """Claims of some physics."""
 
     def of(given, *physics):
-        proposals = [p for p in propose_all(workshop.hypotheses, given) if p.physics in physics and not p.refined]
-        own = given.values(given.start())
-        return [(proposal, {**proposal.null, **own, **proposal.starts[0]}) for proposal in proposals]
+        return [p for p in propose_all(workshop.hypotheses, given) if p.physics in physics and not p.refined]
 
     return of
 
 
 @pytest.fixture
-def rough(model, misfit, recorded):
-    """A model without the stop that was hit, its own numbers a quarter off."""
-    fixed = {name: Parameter(value, fixed=True) for name, value in STOP.items()}
-    (first,) = model.joints
-    stopped = evolve(first, law=f"{first.law} + linear_stop", parameters={**first.parameters, **fixed})
-    true = evolve(model, joints=(stopped,))
-    off = {path: p.value * (1.25 if i % 2 else 0.8) for i, (path, p) in enumerate(model.free_parameters().items())}
-    return misfit(model.with_values(off), **{name: recorded(true, speed) for name, speed in SPEEDS.items()})
+def led(workshop):
+    """Where the equations of motion lead claims."""
+
+    def of(given, claims):
+        return regressed(workshop.equipped([p.model for p in claims]), given, claims, silent)
+
+    return of
 
 
-def test_a_stop_is_found_from_rough_numbers(workshop, rough, starts):
-    claims = starts(rough, "bottoming", "peak_load", "viscous_damping")
-    entrants = regressed(workshop.equipped([p.model for p, _ in claims]), rough, claims, silent)
-    proposal, search = min(entrants, key=lambda entrant: entrant[1].state.cost)
+@pytest.fixture
+def off(model, misfit, recorded):
+    """A model with its own numbers a quarter off, and recordings of what another one does."""
+
+    def of(true):
+        rough = {path: p.value * (1.25 if i % 2 else 0.8) for i, (path, p) in enumerate(model.free_parameters().items())}
+        return misfit(model.with_values(rough), **{name: recorded(true, speed) for name, speed in SPEEDS.items()})
+
+    return of
+
+
+@pytest.fixture
+def rough(model, off):
+    """Without the stop that was hit."""
+    return off(with_law(model, "+ linear_stop", STOP))
+
+
+def with_law(model, addition, values):
+    """The model with one more law in its first joint."""
+    fixed = {name: Parameter(value, fixed=True) for name, value in values.items()}
+    first, *others = model.joints
+    changed = evolve(first, law=f"{first.law} {addition}", parameters={**first.parameters, **fixed})
+    return evolve(model, joints=(changed, *others))
+
+
+def best_of(entrants):
+    return min(entrants, key=lambda entrant: entrant[1].state.cost)
+
+
+def test_a_stop_is_found_from_rough_numbers(rough, claims, led):
+    proposal, search = best_of(led(rough, claims(rough, "bottoming", "peak_load", "viscous_damping")))
     values = search.misfit.values(search.point)
     assert (proposal.physics, proposal.form) == ("bottoming", "line")
     assert search.normalised == pytest.approx(1.0, abs=0.05)
@@ -50,16 +77,25 @@ def test_a_stop_is_found_from_rough_numbers(workshop, rough, starts):
     assert min(lines) == pytest.approx(STOP["stop_deformation"], rel=0.02)
 
 
-def test_what_has_no_equation_of_its_own_is_left_out(workshop, rough, starts):
-    """An instrument's error, and a law with a memory."""
-    claims = starts(rough, "gain_error", "relaxation", "peak_load")
-    entrants = regressed(workshop.equipped([p.model for p, _ in claims]), rough, claims, silent)
-    assert {proposal.physics for proposal, _ in claims} == {"gain_error", "relaxation", "peak_load"}
-    assert {(p.physics, p.form) for p, _ in entrants if p.physics != "peak_load"} <= {("relaxation", "fading")}
-    assert "peak_load" in {proposal.physics for proposal, _ in entrants}
+def test_a_force_that_fades_is_found_by_what_it_remembers(model, off, claims, led):
+    given = off(with_law(model, "~ quasi_linear", FADING))
+    proposal, search = best_of(led(given, claims(given, "relaxation", "peak_load", "viscous_damping")))
+    values = search.misfit.values(search.point)
+    assert (proposal.physics, search.normalised) == ("relaxation", pytest.approx(1.0, abs=0.05))
+    assert values["joint.first.relaxation_time"] == pytest.approx(FADING["relaxation_time"], rel=0.2)
 
 
-def test_a_load_that_no_instrument_sees_has_none_either(workshop, rough, starts):
-    claims = starts(rough, "carried_load")
-    assert claims
-    assert regressed(workshop.equipped([p.model for p, _ in claims]), rough, claims, silent) == []
+def test_a_load_that_no_instrument_sees_is_simulated_beside_its_carrier(model, off, claims, led):
+    carrier = model.joints[0].bodies[1]
+    place = {"position": model.body(carrier).position, "velocity": model.body(carrier).velocity}
+    loaded = with_body(model, Body("load", **place, mass=Parameter(LOAD["mass"], fixed=True), carrier=carrier))
+    tied = Joint("strap", (carrier, "load"), "tie", {name: Parameter(LOAD[name], fixed=True) for name in ("stiffness", "damping")})
+    given = off(with_joint(loaded, tied))
+    proposal, search = best_of(led(given, claims(given, "carried_load", "peak_load", "viscous_damping")))
+    assert (proposal.physics, search.normalised) == ("carried_load", pytest.approx(1.0, abs=0.05))
+
+
+def test_an_instrument_has_no_equation_of_motion(rough, claims, led):
+    told = claims(rough, "gain_error", "peak_load")
+    assert {proposal.physics for proposal in told} == {"gain_error", "peak_load"}
+    assert {proposal.physics for proposal, _ in led(rough, told)} == {"peak_load"}

@@ -1,4 +1,4 @@
-"""The equations of motion of the bodies that are seen, along their measured motion; what is not seen is simulated beside them."""
+"""The equations of motion of the bodies that are seen, while those that are not are simulated beside them."""
 
 from collections.abc import Mapping, Sequence
 
@@ -6,13 +6,12 @@ import numpy as np
 import xarray as xr
 from attrs import evolve
 
-from crashkit.errors import CrashkitError
 from crashkit.mechanics import Simulator
 from crashkit.mechanics.motion import quantities
 from crashkit.mechanics.repeated_run import RepeatedRun
 from crashkit.misfit import Misfit
 from crashkit.misfit.predictor import initial_state
-from crashkit_identifiers.measured import known
+from crashkit_identifiers.measured import known, require_seen
 from crashkit_identifiers.rails import on_rails
 from crashkit_identifiers.recorded import engine_of, laws_of
 
@@ -20,8 +19,8 @@ from crashkit_identifiers.recorded import engine_of, laws_of
 class PartlySeen:
     """m a = F of each body that is seen, in one axis, while those that are not move as the model says.
 
-    A load that a body carries, or a neighbour without an instrument, is pushed by bodies that move as they were measured, so it
-    cannot lead the others astray.
+    A load that a body carries, or a neighbour without an instrument, is pushed by bodies that move as they were measured, so
+    it cannot lead the others astray.
 
     Arguments:
         misfit: of the model to the recordings.
@@ -29,14 +28,14 @@ class PartlySeen:
         motion: measured.
 
     Raises:
-        CrashkitError: the model has several axes, or nothing that moves is seen.
+        CrashkitError: the model has several axes, nothing that moves is seen, or a force is given of what is.
     """
 
     def __init__(self, misfit: Misfit, run: str, motion: xr.Dataset) -> None:
         model = misfit.model
         seen = [body for body in model.bodies if body.is_free and bool(motion["seen"].sel(body=body.name))]
         if len(model.axes) > 1 or not seen or any(body.force for body in seen):
-            raise CrashkitError(f"{run}: expected all bodies that joints hold to be seen by an instrument")
+            require_seen(misfit, {run: motion}, "a regression of accelerations")
         motion = known(motion.sel(body=[body.name for body in seen]))
         bodies = tuple(on_rails(model, body, motion) if body in seen else body for body in model.bodies)
         self._masses = [f"body.{body.name}.mass" for body in seen]

@@ -1,10 +1,14 @@
 """The state form: a regression of measured accelerations, which needs no simulation and hardly a start."""
 
+from collections.abc import Mapping
+from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
+import xarray as xr
 from attrs import evolve, frozen
 
+from crashkit.misfit import Misfit
 from crashkit.protocols import Identification, Identifier, Problem, Status
 from crashkit_identifiers.equation_error import EquationError
 from crashkit_identifiers.levenberg_marquardt import Limits, Search, advance, begin
@@ -19,11 +23,18 @@ FEW = 80
 
 
 @frozen(eq=False)
+class Motions:
+    """The measured motion of each run."""
+
+    by_run: Mapping[str, xr.Dataset]
+
+
+@frozen(eq=False)
 class RegressionState:
-    """Where the regression stands, and the equations along the measured motions."""
+    """Where the regression stands, and what was measured."""
 
     search: Search
-    equations: EquationError
+    measured: Motions
 
     @property
     def point(self) -> np.ndarray:
@@ -72,14 +83,14 @@ class StateFormRegression(Identifier[RegressionState]):
         measured = measured_motions(misfit)
         if self.instants:
             measured = {run: thinned(motion, self.instants) for run, motion in measured.items()}
-        equations = EquationError(misfit, measured)
-        searches = [begin(_From(equations, factor)) for factor in self.factors]
-        return RegressionState(min(searches, key=lambda search: search.cost), equations)
+        motions = Motions(measured)
+        searches = [begin(_From(_equations(misfit, motions), factor)) for factor in self.factors]
+        return RegressionState(min(searches, key=lambda search: search.cost), motions)
 
     def step(self, problem: Problem, state: RegressionState) -> RegressionState:
         """One solution on the intervals that hold now."""
-        limits = Limits(tolerance=1e-8, steps=self.step_limit)
-        return evolve(state, search=advance(state.equations, state.search, limits))
+        equations = _equations(with_recordings(problem, self.name), state.measured)
+        return evolve(state, search=advance(equations, state.search, Limits(tolerance=1e-8, steps=self.step_limit)))
 
     def finish(self, problem: Problem, state: RegressionState) -> Identification:
         """The parameters, with what the recordings themselves say of them."""
@@ -93,6 +104,12 @@ class QuickRegression(StateFormRegression):
     name: ClassVar[str] = "quick_state_form"
     instants: int = FEW
     factors: tuple[float, ...] = (1.0,)
+
+
+@lru_cache(maxsize=16)
+def _equations(misfit: Misfit, measured: Motions) -> EquationError:
+    """Remembered: to set them up takes longer than a step."""
+    return EquationError(misfit, measured.by_run)
 
 
 class _From(SameVariables):

@@ -2,9 +2,11 @@
 
 import pytest
 import xarray as xr
+from attrs import evolve
 
 from crashkit.errors import CrashkitError
 from crashkit.misfit import Misfit
+from crashkit.model import GivenForce
 from crashkit.protocols import Status
 from crashkit.registry import load
 from crashkit.testing import IdentifierContract, toys
@@ -32,7 +34,7 @@ class TestQuickRegression(IdentifierContract):
 def test_a_quick_start_looks_at_few_instants(search):
     problem = search(toys.one_degree())
     state = QuickRegression().start(problem)
-    assert {run: FEW <= motion.sizes["time"] < 2 * FEW for run, motion in state.measured.items()} == {"speed_1": True}
+    assert {run: FEW <= motion.sizes["time"] < 2 * FEW for run, motion in state.measured.by_run.items()} == {"speed_1": True}
 
 
 @pytest.mark.parametrize("factor", [0.3, 3.0])
@@ -52,18 +54,38 @@ def test_it_starts_a_method_that_simulates(search, errors):
     assert max(map(abs, errors(helped, truth).values())) < 1e-5
 
 
-def test_a_body_that_nobody_saw_is_named(search):
-    registry, truth = load(), toys.two_degrees(rear_mass=toys.REAR_MASS_INVERTED)
-    recording = search(truth).recordings["speed_1"]
-    blind = recording.assign(
-        {
+@pytest.fixture
+def blind(search):
+    """A problem in which nobody sees the rear body."""
+
+    def of(truth, factor=1.0):
+        recording = search(truth).recordings["speed_1"]
+        front = {
             name: xr.DataTree(recording[name].to_dataset().isel({channel: [0]}))
             for name, channel in (("film", "marker"), ("accelerometer", "sensor"))
         }
-    )
-    problem = Misfit(truth, {"run": blind}, registry.spring_laws, registry.observers)
-    with pytest.raises(CrashkitError, match="run: state_form needs the measured motion of every body .* found none of rear"):
-        StateFormRegression().start(problem)
+        registry = load()
+        given = toys.start_from(truth, factor)
+        return Misfit(given, {"run": recording.assign(front)}, registry.spring_laws, registry.observers)
+
+    return of
+
+
+def test_a_body_that_nobody_saw_is_simulated_beside_the_others(blind, errors):
+    truth = toys.two_degrees(rear_mass=toys.REAR_MASS_INVERTED)
+    problem = blind(truth, 1.2)
+    found = run(StateFormRegression(), problem)
+    simulated = run(Sensitivity(), problem.with_values(found.values))
+    assert simulated.parameters.normalised_residual < 1.0
+
+
+def test_a_body_that_nobody_saw_is_named_where_a_force_is_given(blind):
+    truth = toys.two_degrees(rear_mass=toys.REAR_MASS_INVERTED)
+    pushed = evolve(truth.bodies[1], force=GivenForce((0.0, 0.2), ((0.0,), (5000.0,))))
+    truth = evolve(truth, bodies=(truth.bodies[0], pushed, *truth.bodies[2:]))
+    expected = "run: a regression of accelerations needs the measured motion of every body .* found none of rear"
+    with pytest.raises(CrashkitError, match=expected):
+        StateFormRegression().start(blind(truth))
 
 
 def test_a_problem_without_recordings_is_refused():
