@@ -1,6 +1,6 @@
 """The law of a joint with its factors along states that are known: its branches, its force and the derivatives of that."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from attrs import frozen
@@ -115,7 +115,9 @@ class JointLaw:
     def _check(self, states: Floats, finite: np.ndarray) -> None:
         if not finite.all():
             d, rate, _ = states[np.argmin(finite)]
-            raise SimulationError(f"joint {self.joint.name}: expected a force, found none at d = {d:.6g} m, rate {rate:.6g} m/s")
+            raise SimulationError(
+                f"joint {self.joint.name}: expected a force, found none at d = {d:.6g} m, rate {rate:.6g} m/s"
+            )
 
 
 def _paths(joint: Joint, function: LawFunction) -> Iterator[str]:

@@ -74,9 +74,7 @@ class StateForm:
         self.model, self.motion = model, motion
         engine = engine or compile_engine(functions_of(model, laws), len(model.axes))
         self.paths = tuple(path for path in model.free_parameters() if not path.startswith("instrument."))
-        self.tracks: list[Track] = [
-            track_of(model, joint, JointLaw(joint, laws, engine), motion) for joint in model.joints
-        ]
+        self.tracks: list[Track] = [track_of(model, joint, JointLaw(joint, laws, engine), motion) for joint in model.joints]
         self._dof = 1 if len(model.axes) == 1 else 6
         self._loads = _given_loads(model, motion, self._dof)
 
@@ -209,10 +207,7 @@ def _ends_of_intervals(changed: np.ndarray) -> list[int]:
 
 def _intervals(model: Model, times: np.ndarray, modes: Sequence[Integers]) -> xr.Dataset:
     """The branches as numbers, and the sequence of intervals that all joints share."""
-    sequences = [list(map(tuple, taken.T.tolist())) for taken in modes]
-    codes = [{taken: number for number, taken in enumerate(dict.fromkeys(sequence))} for sequence in sequences]
-    branch = np.array([[code[taken] for taken in sequence] for code, sequence in zip(codes, sequences, strict=True)], dtype=int)
-    branch = branch.reshape(len(modes), len(times)).T
+    branch = np.array([_numbered(taken) for taken in modes], dtype=int).reshape(len(modes), len(times)).T
     changed = _changed(modes, len(times))
     ends = _ends_of_intervals(changed)
     names = np.array([joint.name for joint in model.joints], dtype=str)
@@ -226,3 +221,10 @@ def _intervals(model: Model, times: np.ndarray, modes: Sequence[Integers]) -> xr
         },
         {"time": ("time", times, {"units": "s"}), "joint": names},
     )
+
+
+def _numbered(taken: Integers) -> list[int]:
+    """The branches of a joint as numbers, in the order in which they are first taken."""
+    sequence = list(map(tuple, taken.T.tolist()))
+    numbers = {branches: number for number, branches in enumerate(dict.fromkeys(sequence))}
+    return [numbers[branches] for branches in sequence]

@@ -5,11 +5,12 @@ from typing import ClassVar
 
 import numpy as np
 import xarray as xr
+from attrs import evolve
 
 from crashkit.model import Body, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import forces_recorded, grid, grounded, largest_travel, proposal
-from crashkit_hypotheses.parallel_forces import falling
+from crashkit_hypotheses.parallel_forces import REFINED, SMOOTH, falling
 
 
 class AddedMass(Hypothesis):
@@ -33,7 +34,7 @@ class AddedMass(Hypothesis):
 
 
 class GroundFriction(Hypothesis):
-    """A near-constant force brakes a body: F = f sign(v), one that falls with the speed, or one that begins on the way."""
+    """A near-constant force brakes a body: F = f sign(v), or one that sets in smoothly, falls with the speed or begins later."""
 
     physics: ClassVar[str] = "ground_friction"
     sentence: ClassVar[str] = "{place} is braked by friction on the ground"
@@ -47,12 +48,16 @@ class GroundFriction(Hypothesis):
         constant = {"friction_force": Parameter(0.0, 0.0, 1e7), "slip_rate": Parameter(0.05, fixed=True)}
         way = largest_travel(motion, body.name)
         later = {**constant, "always": Parameter(0.0, fixed=True), "clearance": Parameter(0.2 * way, 1e-3 * way, way)}
+        less = falling(max(float(np.nanmax(np.abs(one["velocity"].values))) for one in motion))
         forms: dict[str, tuple[dict[str, Parameter], Sequence[Mapping[str, float]]]] = {
             "constant": (constant, ({},)),
-            "falling": (falling(max(float(np.nanmax(np.abs(one["velocity"].values))) for one in motion)), ({},)),
+            "smooth": (constant | SMOOTH, ({},)),
+            "falling": (less, ({},)),
+            REFINED: (less | SMOOTH, ({},)),
             "later": (later, grid(clearance=[share * way for share in (0.2, 0.5, 0.8)])),
         }
-        return [
+        told = [
             grounded(model, body, self.physics, form, "coulomb", friction, "friction_force", starts)
             for form, (friction, starts) in forms.items()
         ]
+        return [evolve(one, refined=one.form == REFINED) for one in told]

@@ -19,6 +19,10 @@ FIRST = 0.02
 """Of the deformation reached: no plateau is taken to begin before."""
 BRISTLE = 0.05
 """Of the deformation reached: length of a bristle to start from."""
+SMOOTH = {"slip_rate": Parameter(0.4, 0.01, 3.0)}
+"""Of friction: how fast it slides once it is established."""
+REFINED = "smooth and falling"
+"""The form of friction that is only tried where another was found: it takes many shapes."""
 SLOWEST = 0.5
 """m/s, below which friction is not asked how it changes with the rate."""
 LATEST, LAST = 0.3, 0.5
@@ -75,25 +79,23 @@ class JointFriction(Hypothesis):
         reached = largest_deformation(motion, joint.name)
         force = {"friction_force": Parameter(0.0, 0.0, 1e7)}
         length = Parameter(BRISTLE * reached, 1e-3 * BRISTLE * reached, reached)
+        less = falling(largest_rate(motion, joint.name))
         laws = {
             "sharp": ("coulomb", {**force, "slip_rate": Parameter(0.05, fixed=True)}),
-            "smooth": ("coulomb", {**force, "slip_rate": Parameter(0.4, 0.01, 3.0)}),
-            "falling": ("coulomb", falling(largest_rate(motion, joint.name))),
+            "smooth": ("coulomb", force | SMOOTH),
+            "falling": ("coulomb", less),
+            REFINED: ("coulomb", less | SMOOTH),
             "bristles": ("dahl", {**force, "bristle_length": length}),
         }
         times = {"": 1.0, ", while compressed": 0.0} if largest_extension(motion, joint.name) > 0.0 else {"": 1.0}
-        return [
-            parallel(
-                model,
-                joint,
-                self.physics,
-                f"{form}{when}",
-                law,
-                {**parameters, "always": Parameter(always, fixed=True)},
-                "friction_force",
-            )
+        told = [
+            (form, f"{form}{when}", law, {**parameters, "always": Parameter(always, fixed=True)})
             for form, (law, parameters) in laws.items()
             for when, always in times.items()
+        ]
+        return [
+            evolve(parallel(model, joint, self.physics, name, law, parameters, "friction_force"), refined=form == REFINED)
+            for form, name, law, parameters in told
         ]
 
 
