@@ -34,7 +34,7 @@ class AddedMass(Hypothesis):
 
 
 class GroundFriction(Hypothesis):
-    """A near-constant force brakes a body: F = f sign(v), or one that sets in smoothly, falls with the speed or begins later."""
+    """A near-constant force brakes a body: F = f sign(v), or one that sets in smoothly, falls with speed or begins later."""
 
     physics: ClassVar[str] = "ground_friction"
     sentence: ClassVar[str] = "{place} is braked by friction on the ground"
