@@ -35,7 +35,7 @@ class PartlySeen:
         model = misfit.model
         seen = [body for body in model.bodies if body.is_free and bool(motion["seen"].sel(body=body.name))]
         if len(model.axes) > 1 or not seen or any(body.force for body in seen):
-            require_seen(misfit, {run: motion}, "a regression of accelerations")
+            require_seen(misfit, {run: motion}, "state_form")
         motion = known(motion.sel(body=[body.name for body in seen]))
         bodies = tuple(on_rails(model, body, motion) if body in seen else body for body in model.bodies)
         self._masses = [f"body.{body.name}.mass" for body in seen]

@@ -83,7 +83,7 @@ def test_a_body_that_nobody_saw_is_named_where_a_force_is_given(blind):
     truth = toys.two_degrees(rear_mass=toys.REAR_MASS_INVERTED)
     pushed = evolve(truth.bodies[1], force=GivenForce((0.0, 0.2), ((0.0,), (5000.0,))))
     truth = evolve(truth, bodies=(truth.bodies[0], pushed, *truth.bodies[2:]))
-    expected = "run: a regression of accelerations needs the measured motion of every body .* found none of rear"
+    expected = "run: state_form needs the measured motion of every body .* found none of rear"
     with pytest.raises(CrashkitError, match=expected):
         StateFormRegression().start(blind(truth))
 
