@@ -1,4 +1,4 @@
-"""Where the equations of motion lead each claim along the motion that was measured: nothing is simulated, or leads astray."""
+"""Where the equations of motion lead each claim along the motion that was measured, in which no error leads another astray."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

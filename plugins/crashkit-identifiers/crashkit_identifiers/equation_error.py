@@ -7,7 +7,7 @@ import xarray as xr
 
 from crashkit.mechanics.state_form import StateForm
 from crashkit.misfit import Misfit
-from crashkit_identifiers.measured import known, unseen
+from crashkit_identifiers.measured import known, unseen, weights
 from crashkit_identifiers.partly_seen import PartlySeen
 from crashkit_identifiers.recorded import engine_of, laws_of
 from crashkit_identifiers.wrapped import SameVariables
@@ -16,9 +16,8 @@ from crashkit_identifiers.wrapped import SameVariables
 class EquationError(SameVariables):
     """r = (a - f(X) U - g(X)) / s over every instant and body that forces move (Mizzi & Jezequel 1992, eq 33).
 
-    The accelerations a and the states X are measured. In one axis, what is not seen is simulated along it.
-
-    Nothing is simulated, so nothing can go astray; but the noise of X biases the forces, and smoothing rounds their corners.
+    The accelerations a and the states X are measured; in one axis, bodies that nobody saw are simulated beside them. So no
+    error of one body leads another astray; but the noise of X biases the forces, and smoothing rounds their corners.
 
     Arguments:
         misfit: of the model to the recordings.
@@ -51,8 +50,7 @@ class Seen:
         names = [name for name in ("acceleration", "angular_acceleration") if name in motion]
         self._measured = np.concatenate([motion[name].values for name in names], axis=2)[:, self._moving]
         std = np.concatenate([motion[f"{name}_std"].values for name in names], axis=2)[:, self._moving]
-        size = np.sqrt(np.mean(std**2, axis=0))
-        self._weight = np.where(size > 0.0, 1.0 / np.where(size > 0.0, size, 1.0), 0.0)
+        self._weight = weights(std)
 
     def residual_and_jacobian(self, values: Mapping[str, float], names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
         acceleration, matrix = self._form.at(values, self._form.modes(values))

@@ -97,6 +97,12 @@ def known(motion: xr.Dataset) -> xr.Dataset:
     return motion.isel(time=np.isfinite(motion["acceleration"].values).all(axis=(1, 2)))
 
 
+def weights(std: np.ndarray) -> np.ndarray:
+    """One over the typical standard deviation of each column (time, ...); 0 where that is 0."""
+    size = np.sqrt(np.mean(std**2, axis=0))
+    return np.divide(1.0, size, out=np.zeros_like(size), where=size > 0.0)
+
+
 def thinned(motion: xr.Dataset, count: int) -> xr.Dataset:
     """The motion at every so many instants, about `count` of them."""
     return motion.isel(time=slice(None, None, max(1, round(motion.sizes["time"] / count))))

@@ -11,7 +11,7 @@ from crashkit.mechanics.motion import quantities
 from crashkit.mechanics.repeated_run import RepeatedRun
 from crashkit.misfit import Misfit
 from crashkit.misfit.predictor import initial_state
-from crashkit_identifiers.measured import known, require_seen
+from crashkit_identifiers.measured import known, require_seen, weights
 from crashkit_identifiers.rails import on_rails
 from crashkit_identifiers.recorded import engine_of, laws_of
 
@@ -46,7 +46,7 @@ class PartlySeen:
         initial = _initial(misfit, run, [body.name for body in bodies if body.is_free])
         self._run = RepeatedRun(simulator, motion["time"].values, self._paths, None, initial, misfit.step)
         self._measured = motion["acceleration"].values[:, :, 0]
-        self._weight = 1.0 / np.sqrt(np.mean(motion["acceleration_std"].values[:, :, 0] ** 2, axis=0))
+        self._weight = weights(motion["acceleration_std"].values[:, :, 0])
 
     def residual_and_jacobian(self, values: Mapping[str, float], names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
         """What the equations leave of the measured accelerations, over their noise, and its derivatives."""
