@@ -39,7 +39,7 @@ def given_table(model: Model, dof: int) -> Floats:
     knots = times[times >= 0.0]
     table = np.zeros((knots.size, 2, 2, n))
     for i, body in enumerate(model.bodies):
-        if model.gravity and not body.fixed and body.motion is None:
+        if model.gravity and body.is_free:
             table[:, 1, 0, dof * i : dof * i + len(model.axes)] = model.gravity
     for entry in series:
         value, slope = (np.nan_to_num(entry.curve(knots, order, extrapolate=False)) for order in (0, 1))

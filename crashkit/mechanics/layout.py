@@ -174,7 +174,7 @@ def _index(joint: Joint, end: str, index: Mapping[str, int]) -> int:
 
 
 def _mass(body: Body) -> float:
-    if body.fixed or body.motion is not None:
+    if not body.is_free:
         return np.inf
     if body.mass is None:
         raise CrashkitError(f"body {body.name}: expected a mass, found nothing")
@@ -183,7 +183,7 @@ def _mass(body: Body) -> float:
 
 def _inertia(body: Body, axes: int) -> Floats:
     values = np.zeros(6)
-    if axes > 1 and not body.fixed and body.motion is None:
+    if axes > 1 and body.is_free:
         if len(body.inertia) not in ((1,) if axes == 2 else (3, 6)):
             expected = "one number" if axes == 2 else "3 or 6 numbers"
             raise CrashkitError(f"body {body.name}: expected {expected} for inertia, found {len(body.inertia)}")

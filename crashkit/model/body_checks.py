@@ -48,21 +48,16 @@ def body_faults(body: Body, model: Model, where: str) -> Iterator[Fault]:
     yield from _held_faults(body, where)
 
 
-def is_free(body: Body) -> bool:
-    """Whether forces move it."""
-    return not body.fixed and body.motion is None
-
-
 def _mass_faults(body: Body, where: str) -> Iterator[Fault]:
     if body.mass is not None:
         yield from positive_faults(body.mass, "a mass", f"{where}/mass")
-    elif is_free(body):
+    elif body.is_free:
         yield Fault(f"{where}/mass", "a mass in kg", "none")
 
 
 def _held_faults(body: Body, where: str) -> Iterator[Fault]:
     """Nothing is given twice, or to no effect, for a body that no force moves."""
-    if is_free(body):
+    if body.is_free:
         return
     held = "a fixed body" if body.fixed else "a body whose motion is given"
     if any(body.velocity):
@@ -104,7 +99,7 @@ def _inertia_faults(body: Body, axes: int, where: str) -> Iterator[Fault]:
         if found:
             yield Fault(where, "none in one axis", names(entry.value for entry in body.inertia))
     elif not found:
-        if is_free(body):
+        if body.is_free:
             yield Fault(where, EXPECTED_INERTIA[axes], "none")
     elif found not in {2: (1,), 3: (3, 6)}[axes]:
         yield Fault(where, EXPECTED_INERTIA[axes], counted(found))

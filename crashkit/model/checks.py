@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from crashkit.data.validate import names, shown
 from crashkit.errors import ContractError, Fault
-from crashkit.model.body_checks import body_faults, is_free
+from crashkit.model.body_checks import body_faults
 from crashkit.model.instrument import InstrumentErrors
 from crashkit.model.joint_checks import joint_faults, specs_of
 from crashkit.model.model import Model
@@ -60,7 +60,7 @@ def _model_faults(
     yield from _name_faults("body", [body.name for body in model.bodies])
     yield from _name_faults("joint", [joint.name for joint in model.joints])
     yield from _repeated("instrument", [instrument_place(entry.instrument, entry.sensor) for entry in model.instruments])
-    if not any(is_free(body) for body in model.bodies):
+    if not any(body.is_free for body in model.bodies):
         yield Fault("body", "at least one body that forces move", "none")
     for index, body in enumerate(model.bodies):
         yield from body_faults(body, model, place("body", index, body.name))

@@ -8,7 +8,6 @@ import xarray as xr
 from crashkit.data.recording import instruments
 from crashkit.data.validate import is_text, names, shown
 from crashkit.errors import ContractError, Fault
-from crashkit.model.body_checks import is_free
 from crashkit.model.model import Model
 from crashkit.model.pose import is_unit
 
@@ -39,7 +38,7 @@ def _recording_faults(tree: xr.DataTree, model: Model) -> Iterator[Fault]:
 
 def _initial_faults(initial: xr.Dataset, model: Model) -> Iterator[Fault]:
     found = initial["body"].values.tolist()
-    missing = [body.name for body in model.bodies if is_free(body) and body.name not in found]
+    missing = [body.name for body in model.bodies if body.is_free and body.name not in found]
     unknown = [name for name in found if name not in [body.name for body in model.bodies]]
     if missing and unknown:
         yield Fault("initial/body", f"the model's {names(missing)}", names(unknown))

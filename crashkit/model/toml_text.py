@@ -6,7 +6,6 @@ from typing import Any
 import tomli_w
 
 from crashkit.model.body import Body
-from crashkit.model.body_checks import is_free
 from crashkit.model.given import GivenForce, GivenMotion
 from crashkit.model.instrument import InstrumentErrors
 from crashkit.model.joint import Joint
@@ -43,7 +42,7 @@ def _body(body: Body) -> str:
         **_given(inertia=_single([write_parameter(entry, UNDECLARED) for entry in body.inertia])),
         "position": body.position,
         **_given(orientation=_single(body.orientation)),
-        **({"velocity": body.velocity} if any(body.velocity) or is_free(body) else {}),
+        **({"velocity": body.velocity} if any(body.velocity) or body.is_free else {}),
         **_given(angular_velocity=_single(body.angular_velocity), carrier=body.carrier),
     }
     return f"[[body]]\n{_lines(head)}{_motion(body.motion)}{_force(body.force)}"

@@ -1,4 +1,4 @@
-"""Where measured accelerations lead a claim, without simulating anything."""
+"""Where measured accelerations lead a claim."""
 
 import pytest
 import xarray as xr

@@ -71,7 +71,7 @@ def blind(search):
     return of
 
 
-def test_a_body_that_nobody_saw_is_simulated_beside_the_others(blind, errors):
+def test_a_body_that_nobody_saw_is_simulated_beside_the_others(blind):
     truth = toys.two_degrees(rear_mass=toys.REAR_MASS_INVERTED)
     problem = blind(truth, 1.2)
     found = run(StateFormRegression(), problem)
