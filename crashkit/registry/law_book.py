@@ -19,14 +19,16 @@ class LawBook(Mapping[str, type[SpringLaw]]):
     """Laws and factors by name; a name may also combine several, where they fit together.
 
     - "a | b" is a and b side by side, as two joints at the same place would be: F = F_a + F_b;
+    - "a % f" is law a of which the share f remembers how far it was compressed and the rest does not: F = f F_a(d, d_max) +
+      (1 - f) F_a(d, d);
     - "a * f" is law a times the factor f alone, where a joint's `factors` multiply all of its force;
     - "a ~ m" is law m, which has a memory, with the force of a for its deformation: what a gives passes through m;
     - "a + b" is law a with b added to its loading curve. Then b takes part in unloading and in the rate factor of a. The first
       law must hold the statement `added = 0.0` after it has set `turn`; what is added must end in its only `return`.
 
-    They bind in the order +, ~, *, |. A parameter that two of them declare alike, such as a clearance, is one and the same in
-    "a | b", "a * f" and "a ~ m"; no other names may be shared, and one of them at most may have a memory. What has branches of
-    its own, or runs as plain Python, stands alone.
+    They bind in the order +, ~, *, %, |. A parameter that two of them declare alike, such as a clearance, is one and the same
+    in all but "a + b"; no other names may be shared, and one of them at most may have a memory. What has branches of its own,
+    or runs as plain Python, stands alone.
     """
 
     def __init__(self, laws: Mapping[str, type[SpringLaw]]) -> None:
@@ -58,6 +60,11 @@ def are_parallel(first: type[SpringLaw], second: type[SpringLaw]) -> bool:
 def passes(law: type[SpringLaw], through: type[SpringLaw]) -> bool:
     """Whether the force of a law can pass through the memory of another."""
     return are_parallel(law, through) and not law.memory and bool(through.memory)
+
+
+def parts(law: type[SpringLaw], share: type[SpringLaw]) -> bool:
+    """Whether a factor can be the share of a law that remembers its largest deformation."""
+    return multiplies(law, share) and not law.memory and not share.memory
 
 
 def multiplies(law: type[SpringLaw], factor: type[SpringLaw]) -> bool:
@@ -99,13 +106,19 @@ def can_be_added(law: type[SpringLaw]) -> bool:
 
 @cache
 def _joined(first: type[SpringLaw], second: type[SpringLaw], sign: str) -> type[SpringLaw]:
-    """One law that calls both: side by side, as law and factor, or one with the force of the other."""
+    """One law that calls both: side by side, as law and factor, as law and share, or one with the force of the other."""
     name, specs, memory = f"{first.name}{sign}{second.name}", _united(first, second), first.memory or second.memory
     arguments = ", ".join(["d", "ddot", "d_max", *([memory] if memory else []), *(spec.name for spec in specs)])
     one, other = (", ".join(_arguments(law)) for law in (first, second))
     if sign == " ~ ":
         other = ", ".join([f"first({one})", *_arguments(second)[1:]])
-    total = {" | ": f"first({one}) + second({other})", " * ": f"first({one}) * second({other})", " ~ ": f"second({other})"}
+    fresh = ", ".join(["d", "ddot", "d", *_arguments(first)[3:]])
+    total = {
+        " | ": f"first({one}) + second({other})",
+        " % ": f"second({other}) * first({one}) + (1.0 - second({other})) * first({fresh})",
+        " * ": f"first({one}) * second({other})",
+        " ~ ": f"second({other})",
+    }
     lines = [f"def force({arguments}):", f"    return {total[sign]}"]
     owner = first if first.memory else second
     if memory:
@@ -193,6 +206,12 @@ class _Renamed(ast.NodeTransformer):
         return node if kept else ast.Name(f"{node.id}_of_added", node.ctx)
 
 
-SIGNS = {" | ": (are_parallel, _joined), " * ": (multiplies, _joined), " ~ ": (passes, _joined), " + ": (fit_together, _sum)}
+SIGNS = {
+    " | ": (are_parallel, _joined),
+    " % ": (parts, _joined),
+    " * ": (multiplies, _joined),
+    " ~ ": (passes, _joined),
+    " + ": (fit_together, _sum),
+}
 """What a sign asks of two laws, and what it makes of them; the sign that binds least comes first."""
-MEANINGS = {" | ": "beside", " * ": "times", " ~ ": "through"}
+MEANINGS = {" | ": "beside", " % ": "of a share", " * ": "times", " ~ ": "through"}

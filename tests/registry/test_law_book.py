@@ -220,12 +220,32 @@ def test_what_one_of_them_declares_holds_for_all():
     assert BOOK["tension_spring * tear"].memory == "damage"
 
 
+# ---- a share that stays crushed ----
+
+
+@given(d_max=deformations, back=st.floats(0.0, 1.0), share=st.floats(0.0, 1.0))
+def test_of_a_share_that_stays_crushed_the_rest_is_elastic(d_max, back, share):
+    d = (1.0 - back) * d_max
+    crushed = max(0.0, plateau(d_max) - SLOPE * (d_max - d))
+    expected = share * crushed + (1.0 - share) * plateau(d)
+    force = crush("crush_plateau % plastic_share", d, d_max, share, rate=0.1)
+    assert force == pytest.approx(1.1 * expected, rel=1e-9, abs=1e-3)
+
+
+def test_a_share_can_lose_its_force_by_a_factor():
+    law = "crush_plateau * unloading_loss % plastic_share"
+    force = crush(law, 0.2, 0.25, 1.0, 0.05, 0.3, slope=1.0)  # a slope of 1 N/m: it keeps the force that it had
+    assert force == pytest.approx(0.3 * plateau(0.25) * math.exp(-1.0) + 0.7 * plateau(0.2), rel=1e-6)
+
+
 NOT_SIDE_BY_SIDE = {
     "maxwell | bouc_wen": "two memories",
     "linear_stop | tension_spring": "parameters of one name that mean different things",
     "crush_plateau | rate_linear": "a factor is no force",
     "rate_linear * crush_plateau": "a law is no factor",
     "coulomb * viscous": "a law is no factor",
+    "crush_plateau % maxwell": "a law is no share",
+    "maxwell % plastic_share": "what has a memory has no share without it",
     "measured_curve | coulomb": "a law with branches of its own stands alone",
     "coulomb |viscous": "a sign stands between blanks",
     "coulomb | ": "nothing is beside it",

@@ -5,7 +5,7 @@ from crashkit_spring_laws.crush_plateau import CrushPlateau
 from crashkit_spring_laws.dampers import Viscous, ViscousPower
 from crashkit_spring_laws.fracture import Brittle, Fracture, Tear
 from crashkit_spring_laws.friction import Coulomb, Dahl
-from crashkit_spring_laws.gradual_loss import Fading, ResidualSet, Softening, StepwiseSoftening, UnloadingLoss
+from crashkit_spring_laws.gradual_loss import Fading, PlasticShare, ResidualSet, Softening, StepwiseSoftening, UnloadingLoss
 from crashkit_spring_laws.hysteresis import BoucWen
 from crashkit_spring_laws.measured_curve import MeasuredCurve
 from crashkit_spring_laws.piecewise_affine import PiecewiseAffine
@@ -55,6 +55,7 @@ SPRING_LAWS = (
     StepwiseSoftening,
     UnloadingLoss,
     ResidualSet,
+    PlasticShare,
     Fading,
     SmoothTable,
     RateTable,

@@ -98,6 +98,21 @@ class ResidualSet(SpringLaw):
         return 1.0 - loss * (1.0 - x**unloading_exponent)
 
 
+class PlasticShare(SpringLaw):
+    """The share of a joint that stays crushed, of which the rest is elastic: "crush_plateau % plastic_share"."""
+
+    name = "plastic_share"
+    unit = "1"
+    parameters = (
+        ParameterSpec("plastic_share", "1", "share of the joint that stays crushed", lower=0.0, upper=1.0, null=1.0),
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, plastic_share: float) -> float:
+        """The share."""
+        return plastic_share
+
+
 class Fading(SpringLaw):
     """A force of which a share fades under load: 1 - fading_share m, with m' = (1 - m) / tau while d > 0, and -m / tau else.
 

@@ -28,6 +28,7 @@ from crashkit_spring_laws import (
     MeasuredCurve,
     Peak,
     PiecewiseAffine,
+    PlasticShare,
     QuadraticStop,
     QuasiLinear,
     RateCurve,
@@ -107,6 +108,7 @@ EXAMPLES = [
     (Tear, {"tear_extension": 0.05, "loss": 0.7}),
     (UnloadingLoss, {"loss": 0.4, "unloading_length": 0.05}),
     (ResidualSet, {"loss": 0.9, "residual_share": 0.6, "unloading_exponent": 1.5}),
+    (PlasticShare, {"plastic_share": 0.3}),
     (Softening, {"softening_deformation": 0.3, "softening_length": 0.2, "loss": 0.7}),
     (
         StepwiseSoftening,
