@@ -19,8 +19,8 @@ SHARE = Parameter(0.0, 0.0, 1.0)
 
 class PlasticUnloading(Hypothesis):
     """Instead of along its loading curve it unloads along F = F_load(d_max) - k (d_max - d), loses a share on the way back, or
-    falls along F = F_load(d_max) ((d - s d_max) / ((1 - s) d_max))^n to a share s of its largest deformation. Or a share of the
-    joint does so, along a line or fading, and the rest is elastic."""
+    falls along F = F_load(d_max) ((d - s d_max) / ((1 - s) d_max))^n to a share s of its largest deformation. Or a share of
+    the joint does so, along a line or fading, and the rest is elastic."""
 
     physics: ClassVar[str] = "plastic_unloading"
     sentence: ClassVar[str] = "{place} unloads along a path of its own and keeps part of its energy"

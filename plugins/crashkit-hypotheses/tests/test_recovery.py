@@ -135,8 +135,8 @@ def staying_crushed(model):
 
 
 def partly_crushed(model):
-    """A quarter of the first joint stays crushed."""
-    first, own = model.joint("first"), fixed(plastic_share=0.25, unloading_stiffness=4e5)
+    """Of the first joint three tenths stay crushed."""
+    first, own = model.joint("first"), fixed(plastic_share=0.3, unloading_stiffness=1e6)
     changed = evolve(first, law=f"{first.law} % plastic_share", parameters={**first.parameters, **own})
     return evolve(model, joints=tuple(changed if joint.name == "first" else joint for joint in model.joints))
 
@@ -397,7 +397,7 @@ def test_what_was_concealed_is_found_where_it_was(found, model, conceal):
 
 CRUSHED = {
     staying_crushed: ("set", {"residual_share": 0.7, "unloading_exponent": 2.5}),
-    partly_crushed: ("line of a share", {"plastic_share": 0.25, "unloading_stiffness": 4e5}),
+    partly_crushed: ("line of a share", {"plastic_share": 0.3, "unloading_stiffness": 1e6}),
 }
 
 
