@@ -8,7 +8,7 @@ from attrs import evolve, field, frozen
 
 from crashkit.misfit import Misfit
 from crashkit.protocols import Identification, Identifier, Problem, Status
-from crashkit_identifiers.cost import cost_at
+from crashkit_identifiers.cost import cost_at, residual_at
 from crashkit_identifiers.levenberg_marquardt import EXACT, Limits, Search, advance, begin
 from crashkit_identifiers.outliers import judged, told
 from crashkit_identifiers.part import Part, up_to
@@ -164,7 +164,8 @@ class MultiStart(Identifier[Attempts]):
 
     def _has_arrived(self, problem: Problem, point: np.ndarray) -> bool:
         few = problem.coarse if isinstance(problem, Misfit) else problem
-        return judged(few, few.residual(point)).at_noise
+        residual = residual_at(few, point)
+        return bool(np.isfinite(residual).all()) and judged(few, residual).at_noise
 
     def _start(self, problem: Problem, number: int, best: np.ndarray | None) -> np.ndarray:
         """The problem's own start, then others scattered about it and about the best so far; the same each time."""
@@ -193,8 +194,10 @@ class MultiStart(Identifier[Attempts]):
 
     def _judge(self, problem: Problem, state: Attempts, search: Search) -> Attempts:
         """The end, or another round without the outliers."""
-        state = evolve(state, search=search)
-        verdict = judged(problem, problem.residual(search.point))
+        state, residual = evolve(state, search=search), residual_at(problem, search.point)
+        if not np.isfinite(residual).all():
+            return evolve(state, status=Status.FAILED)
+        verdict = judged(problem, residual)
         is_same = np.array_equal(verdict.kept, state.kept) or (verdict.kept.all() and state.kept.all())
         if is_same or state.rounds == ROUNDS:
             return evolve(state, status=search.status)

@@ -6,7 +6,9 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.data.channel_filter import filter_channel
+from crashkit.errors import SimulationError
 from crashkit.misfit import Misfit
+from crashkit.misfit.predictor import Predictor
 from crashkit.protocols import Status
 from crashkit.registry import load
 from crashkit.testing import IdentifierContract, toys
@@ -49,6 +51,36 @@ def test_a_start_at_three_times_and_a_third_of_the_values(errors):
     for factors in ([3.0, 1 / 3, 1 / 3, 3.0], [1 / 3, 3.0, 3.0, 1 / 3]):
         found = run(MultiStart(), exact(truth, scattered(truth, factors)))
         assert max(map(abs, errors(found, truth).values())) < 1e-8
+
+
+@pytest.fixture
+def broken_above(monkeypatch):
+    """Lets no model be simulated whose first parameter is above a limit."""
+    sound = Predictor.predict_at
+
+    def broken(limit):
+        def predict_at(self, values, sensitivities=False):
+            if values[0] > limit:
+                raise SimulationError("no progress")
+            return sound(self, values, sensitivities)
+
+        monkeypatch.setattr(Predictor, "predict_at", predict_at)
+
+    return broken
+
+
+def test_a_start_that_cannot_be_simulated_gives_way_to_others(errors, broken_above):
+    truth = toys.one_degree()
+    problem = exact(truth, scattered(truth, [1.3, 1.0, 1.0, 1.0]))
+    broken_above(1.25 * problem.parameters(problem.start())[0] / 1.3)
+    found = run(MultiStart(), problem)
+    assert found.status is Status.CONVERGED
+    assert max(map(abs, errors(found, truth).values())) < 1e-8
+
+
+def test_where_no_start_can_be_simulated_the_search_has_failed(broken_above):
+    broken_above(-np.inf)
+    assert run(MultiStart(starts=3), exact(toys.one_degree(), toys.one_degree())).status is Status.FAILED
 
 
 def test_it_says_how_many_starts_it_took():
