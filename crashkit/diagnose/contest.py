@@ -10,6 +10,7 @@ from crashkit.campaign import spread
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.score import Score, score
 from crashkit.diagnose.search import Search, advance_all, begin, begin_all, weighed
+from crashkit.diagnose.square import Extended, tangent
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
@@ -35,10 +36,12 @@ def scores(
     workshop: Workshop, origin: Misfit, proposals: Sequence[Proposal], reference: float, progress: Progress
 ) -> list[tuple[Proposal, Score]]:
     """Of every proposal from each of its starts, the model's own parameters at their values in `origin`."""
+    known = tangent(origin, origin.start())
 
     def scored(proposal: Proposal) -> list[Score | None]:
         misfit = workshop.misfit(origin, proposal.model).with_values_of(origin)
-        return [score(proposal, dict(start), misfit, reference) for start in proposal.starts]
+        extended = Extended(misfit, proposal.parameters, known)
+        return [score(proposal, start, extended, reference) for start in proposal.starts]
 
     def told(done: int) -> None:
         progress(f"scoring {proposals[done].physics} at {place_of(proposals[done].location)}", done / len(proposals))

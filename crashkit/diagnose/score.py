@@ -1,10 +1,11 @@
 """The score test: how far the misfit would drop if a piece of physics were let in, judged from sensitivities alone."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from attrs import frozen
 
-from crashkit.errors import SimulationError
-from crashkit.misfit import Misfit
+from crashkit.diagnose.square import Extended, Square
 from crashkit.protocols import Proposal
 
 LONGEST_STEP = 0.3
@@ -27,57 +28,49 @@ class Score:
     deviation: float
 
 
-def score(proposal: Proposal, start: dict[str, float], misfit: Misfit, reference: float) -> Score | None:
-    """The promise of a proposal from one of its starts.
+def score(proposal: Proposal, start: Mapping[str, float], extended: Extended, reference: float) -> Score | None:
+    """The promise of a proposal from one of its starts; None where it cannot be simulated there.
 
     minimise |r + J Δu|² over the new parameters and the model's own, within the bounds, from the null of the physics as far as
     the start does not say otherwise.
 
     Arguments:
         start: values by path; what it does not name keeps the model's value.
-        misfit: of the proposal's model.
+        extended: the proposal's model.
         reference: sum of squared residuals without the physics; infinite: as the model stands without moving.
     """
+    misfit = extended.misfit
     point = misfit.start_at({**proposal.null, **start})
-    try:
-        residual, jacobian = misfit.residual_and_jacobian(point)
-    except SimulationError:
-        return None
-    with np.errstate(over="ignore"):
-        is_sound = np.isfinite(np.sum(residual**2)) and np.isfinite(np.sum(jacobian**2))
-    if not is_sound:
+    is_absent = bool(proposal.null) and all(start.get(path, value) == value for path, value in proposal.null.items())
+    square = extended.at(point, is_absent)
+    if square is None:
         return None
     new = np.array([name in proposal.parameters for name in misfit.names])
     size = np.abs(misfit.parameters(point)) / misfit.scaling(point)
     reach = np.where(new | (size == 0), np.inf, LONGEST_STEP * size)
-    step = _bounded_step(residual, jacobian, point, *misfit.bounds(), reach)
-    reference = min(reference, float(residual @ residual)) if np.isinf(reference) else reference
-    drop = reference - float(np.sum((residual + jacobian @ step) ** 2))
-    own = np.array([name not in proposal.parameters for name in misfit.names])
-    deviation = _deviation(jacobian[:, misfit.names.index(proposal.parameters[0])], jacobian[:, own], reach[own])
-    return Score(misfit.values(point), drop, deviation)
+    step = _bounded_step(square, point, *misfit.bounds(), reach)
+    reference = min(reference, square.value) if np.isinf(reference) else reference
+    deviation = _deviation(square.curvature, misfit.names.index(proposal.parameters[0]), np.flatnonzero(~new), reach)
+    return Score(misfit.values(point), reference - square.after(step), deviation)
 
 
-def _deviation(amplitude: np.ndarray, own: np.ndarray, reach: np.ndarray) -> float:
-    """Of a parameter whose derivatives are `amplitude`, when others with derivatives `own` may move by about `reach`."""
-    curvature = own.T @ own + np.diag(1.0 / reach**2)
-    hidden = own.T @ amplitude
-    seen = amplitude @ amplitude - hidden @ np.linalg.lstsq(curvature, hidden, rcond=1e-14)[0]
-    return float(1.0 / np.sqrt(seen)) if seen > 1e-12 * (amplitude @ amplitude) else float("inf")
+def _deviation(curvature: np.ndarray, amplitude: int, own: np.ndarray, reach: np.ndarray) -> float:
+    """Of one parameter, when the model's own may move by about `reach`."""
+    adjusting = curvature[np.ix_(own, own)] + np.diag(1.0 / reach[own] ** 2)
+    whole, hidden = curvature[amplitude, amplitude], curvature[own, amplitude]
+    seen = whole - hidden @ np.linalg.lstsq(adjusting, hidden, rcond=1e-14)[0]
+    return float(1.0 / np.sqrt(seen)) if seen > 1e-12 * whole else float("inf")
 
 
-def _bounded_step(
-    residual: np.ndarray, jacobian: np.ndarray, point: np.ndarray, lower: np.ndarray, upper: np.ndarray, reach: np.ndarray
-) -> np.ndarray:
+def _bounded_step(square: Square, point: np.ndarray, lower: np.ndarray, upper: np.ndarray, reach: np.ndarray) -> np.ndarray:
     """The Gauss-Newton step, damped to about `reach`; parameters that would leave their bounds stop there."""
-    curvature = jacobian.T @ jacobian
-    gradient = jacobian.T @ residual
+    curvature = square.curvature.copy()
     weak = 1e-12 * max(float(np.diag(curvature).max(initial=0.0)), 1e-300)
     curvature[np.diag_indices_from(curvature)] += weak + 1.0 / reach**2
     free, step = np.ones(len(point), dtype=bool), np.zeros(len(point))
     for _ in range(len(point)):
         held = curvature[np.ix_(free, ~free)] @ step[~free]
-        step[free] = np.linalg.lstsq(curvature[np.ix_(free, free)], -(gradient[free] + held), rcond=1e-14)[0]
+        step[free] = np.linalg.lstsq(curvature[np.ix_(free, free)], -(square.gradient[free] + held), rcond=1e-14)[0]
         outside = free & ((point + step < lower) | (point + step > upper))
         if not outside.any():
             break

@@ -100,6 +100,11 @@ class Misfit:
         """How many independent readings all channels amount to."""
         return sum(channel.independent_samples for channel in self.channels)
 
+    @property
+    def sample_count(self) -> int:
+        """How many residuals are of samples that were recorded."""
+        return sum(len(rows.recorded) for rows in self._rows)
+
     def start(self) -> np.ndarray:
         """The model's own values, as search variables."""
         return self.scaled(np.array([parameter.value for parameter in self._free]))

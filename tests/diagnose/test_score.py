@@ -5,8 +5,10 @@ import pytest
 from attrs import evolve, frozen
 
 from crashkit.diagnose.evidence import Rival, best_forms, probabilities
+from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.score import score
 from crashkit.diagnose.search import begin
+from crashkit.diagnose.square import Extended, tangent
 from crashkit.misfit import Misfit
 from crashkit.model import Parameter
 from crashkit.protocols import Proposal
@@ -28,7 +30,9 @@ def bias_of(workshop, base):
 
 def scored(workshop, base, proposal):
     residual = base.residual(base.start())
-    return score(proposal, {}, workshop.misfit(base, proposal.model), float(residual @ residual))
+    return score(
+        proposal, {}, Extended(workshop.misfit(base, proposal.model), proposal.parameters), float(residual @ residual)
+    )
 
 
 def test_where_everything_is_linear_the_promise_is_kept(workshop, model, recorded, misfit):
@@ -58,6 +62,23 @@ def test_a_promise_stops_at_the_bounds(workshop, model, recorded, misfit):
     narrow = evolve(bias, model=bias.model.with_parameters({path: Parameter(0.0, -1.0, 1.0)}))
     count = base.channels[1].samples
     assert scored(workshop, base, narrow).drop == pytest.approx(count * (5.0**2 - 4.0**2), rel=1e-5)
+
+
+def test_what_is_known_of_the_model_without_the_physics_changes_no_score(workshop, model, recorded, misfit):
+    base = misfit(model, run=recorded(model, accelerometer=offset(0.7))).with_prior(0.1)
+    known, proposals = tangent(base, base.start()), propose_all(workshop.hypotheses, base)
+    equipped = workshop.equipped([model, *(proposal.model for proposal in proposals)])
+    joined = 0
+    for proposal in proposals:
+        larger = equipped.misfit(base, proposal.model)
+        whole, quick = (Extended(larger, proposal.parameters, one) for one in (None, known))
+        for start in proposal.starts:
+            one, other = (score(proposal, start, extended, known.square.value) for extended in (whole, quick))
+            assert other.drop == pytest.approx(one.drop, rel=1e-5, abs=1e-5)
+            assert other.deviation == pytest.approx(one.deviation, rel=1e-5)
+            assert other.values == one.values
+        joined += quick._joined(known, larger.start_at({**proposal.null, **proposal.starts[0]})) is not None
+    assert joined > 0.6 * len(proposals)
 
 
 @frozen
