@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from crashkit.campaign import one_thread
 from crashkit.data.motion import write_motion
 from crashkit.data.netcdf import write_tree
 from crashkit.data.recording import check_recording, read_recording, write_recording
@@ -95,6 +96,7 @@ def diagnose_files(model: Path, runs: Sequence[Path], holdout: Sequence[Path], o
     return result
 
 
+@one_thread
 def identify_files(
     model: Path,
     runs: Sequence[Path],

@@ -4,6 +4,6 @@ For many plain simulations of one model in memory, `crashkit.mechanics.simulate_
 """
 
 from crashkit.campaign.campaign import run
-from crashkit.campaign.cores import spread
+from crashkit.campaign.cores import one_thread, spread
 
-__all__ = ["run", "spread"]
+__all__ = ["one_thread", "run", "spread"]

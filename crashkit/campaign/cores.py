@@ -5,13 +5,31 @@ import os
 import sys
 import warnings
 from collections.abc import Callable, Sequence
+from functools import wraps
 from multiprocessing.connection import Connection
-from typing import Any, TypeVar
+from typing import Any, ParamSpec, TypeVar
+
+from threadpoolctl import threadpool_limits
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+Given = ParamSpec("Given")
 _alone = False
 """In a copy: what it is asked to spread it does itself."""
+
+
+def one_thread(function: Callable[Given, Result]) -> Callable[Given, Result]:
+    """The function with numpy's libraries kept to one thread.
+
+    On many small matrices their threads only wait for each other, and those of copies of this process take each other's cores.
+    """
+
+    @wraps(function)
+    def alone(*arguments: Given.args, **named: Given.kwargs) -> Result:
+        with threadpool_limits(1, "blas"):
+            return function(*arguments, **named)
+
+    return alone
 
 
 def spread(

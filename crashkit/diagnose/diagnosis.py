@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from attrs import evolve
 
+from crashkit.campaign import one_thread
 from crashkit.diagnose.consistency import by_run, check_instruments
 from crashkit.diagnose.contest import Progress
 from crashkit.diagnose.evidence import FLOOR, STRAINED, UNEXPLAINED
@@ -38,6 +39,7 @@ ROUGHLY = 0.3
 hide what it lacks in numbers that nobody would give it; how well a number is known is told without it."""
 
 
+@one_thread
 def diagnose(
     model: Model,
     recordings: Mapping[str, xr.DataTree],

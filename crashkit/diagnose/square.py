@@ -81,7 +81,7 @@ class Extended:
         if joined is not None:
             return joined
         whole = tangent(self.misfit, point)
-        return whole and whole.square
+        return None if whole is None else whole.square
 
     def _joined(self, known: Tangent, point: np.ndarray) -> Square | None:
         beside = tangent(self._held, self._held.start_at(self.misfit.values(point)))

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from threadpoolctl import threadpool_info, threadpool_limits
 
-from crashkit.campaign import spread
+from crashkit.campaign import one_thread, spread
 
 
 @settings(max_examples=10, deadline=None)
@@ -46,3 +47,12 @@ def test_progress_never_goes_back():
     spread(lambda n: n, range(8), told.append)
     assert told == sorted(told)
     assert set(told) <= set(range(8))
+
+
+def threads():
+    return {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"}
+
+
+def test_small_matrices_are_left_to_one_thread_and_then_all_is_as_before():
+    with threadpool_limits(2, "blas"):
+        assert (threads(), one_thread(threads)(), threads()) == ({2}, {1}, {2})

@@ -2,9 +2,11 @@
 
 from typing import Any
 
+from crashkit.campaign import one_thread
 from crashkit.protocols import Identification, Identifier, Problem, Status
 
 
+@one_thread
 def run(identifier: Identifier[Any], problem: Problem) -> Identification:
     """From start to finish."""
     state = identifier.start(problem)
