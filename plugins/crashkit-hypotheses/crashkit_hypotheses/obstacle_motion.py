@@ -11,12 +11,12 @@ from crashkit.model.edit import fresh_name
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import grid, largest_force, plane_inertia
 
-LIGHT, HEAVY = 0.05, 100.0
-"""Masses that an obstacle may have, in masses of what runs into it."""
+LIGHT, HEAVY = 0.05, 1e3
+"""Masses that an obstacle may have, in masses of what runs into it: a wall of a hundred still leaves a trace."""
 NEVER = 1e3
 """m, a deformation out of reach."""
 SLIP_RATE = 0.1
-"""m s-1, at which sliding is established: what is slower is followed too slowly to be stable."""
+"""m s-1, at which sliding is established, unless that is sought too: the slower, the more steps a light obstacle costs."""
 
 Parameters = Mapping[str, Parameter]
 
@@ -49,7 +49,7 @@ def _holds(
     """Only on a line can a joint hold a body from behind, where a load cell does not feel it."""
     groups = [group.to_dataset(inherit=False) for recording in recordings for group in recording.children.values()]
     is_weighed = any("force" in group and name in group["sensor_body"].values for group in groups)
-    return () if is_weighed and len(model.axes) > 1 else (_sliding, _sprung, _crushing)
+    return () if is_weighed and len(model.axes) > 1 else (_sliding, _sliding_slowly, _sprung, _crushing)
 
 
 def _push(model: Model, motion: Sequence[xr.Dataset], name: str) -> float:
@@ -68,6 +68,16 @@ def _sliding(model: Model, name: str, mass: float, force: float) -> Proposal:
     }
     starts = _starts(mass, "friction_force", force, ((0.5, 0.15), (0.5, 0.5), (5.0, 0.5), (5.0, 0.9)))
     return _moving(model, name, "sliding", mass, "coulomb", friction, starts)
+
+
+def _sliding_slowly(model: Model, name: str, mass: float, force: float) -> Proposal:
+    """A heavy obstacle hardly gets faster than that at which sliding is established, which therefore shows."""
+    friction = {
+        "friction_force": Parameter(0.5 * force, 1e-3 * force, 10.0 * force),
+        "slip_rate": Parameter(0.2 * SLIP_RATE, 0.01 * SLIP_RATE, 10.0 * SLIP_RATE),
+    }
+    starts = _starts(mass, "friction_force", force, ((5.0, 0.5), (100.0, 0.3), (100.0, 0.9)))
+    return evolve(_moving(model, name, "sliding slowly", mass, "coulomb", friction, starts), refined=True)
 
 
 def _sprung(model: Model, name: str, mass: float, force: float) -> Proposal:

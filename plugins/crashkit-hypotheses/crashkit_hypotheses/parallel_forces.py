@@ -120,11 +120,16 @@ class PeakLoad(Hypothesis):
             "peak_deformation": Parameter(plateau, 0.01 * reached, BEFORE * plateau),
             "peak_sharpness": Parameter(8.0, 1.0, 200.0),
         }
+        width = {"peak_width": Parameter(0.4 * plateau, 0.01 * plateau, BEFORE * plateau)}
+        flanked = {name: narrow[name] for name in peak} | width
         starts = grid(peak_deformation=(0.08 * reached, 0.2 * reached))
         narrow_starts = grid(peak_deformation=(0.7 * plateau, plateau, 1.4 * plateau))
+        shapes = (("pointed", "pointed_peak"), ("bell", "bell_peak"))
+        fine = [added(model, joint, self.physics, form, law, flanked, "peak_force", narrow_starts) for form, law in shapes]
         return [
             added(model, joint, self.physics, "bump", "peak", peak, "peak_force", starts),
             added(model, joint, self.physics, "narrow", "peak", narrow, "peak_force", narrow_starts),
+            *(evolve(one, refined=True) for one in fine),
         ]
 
 

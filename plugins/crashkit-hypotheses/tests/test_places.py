@@ -161,6 +161,14 @@ def test_an_obstacle_that_nothing_presses_on_does_not_move(propose, runs):
     assert propose("obstacle_motion", motion=still) == []
 
 
+def test_how_fast_an_obstacle_must_slide_is_only_sought_where_sliding_leads(propose):
+    forms = {proposal.form: proposal for proposal in propose("obstacle_motion")}
+    plain, slow = forms["sliding"], forms["sliding slowly"]
+    assert [path.rsplit(".", 1)[1] for path in plain.parameters] == ["mass", "friction_force"]
+    assert [path.rsplit(".", 1)[1] for path in slow.parameters] == ["mass", "friction_force", "slip_rate"]
+    assert (plain.refined, slow.refined) == (False, True)
+
+
 def test_what_holds_an_obstacle_is_not_felt_by_a_load_cell_on_it(propose):
     held = propose("obstacle_motion")
     assert [p.form for p in held] == ["free", "sliding", "sprung", "crushing"]

@@ -156,6 +156,13 @@ def buckling(model):
     return evolve(model, joints=(pointed, *model.joints[1:]))
 
 
+def buckling_suddenly(model):
+    first = model.joints[0]
+    peak = fixed(peak_force=6e4, peak_deformation=0.15, peak_width=0.12)
+    pointed = evolve(first, law="crush_plateau + pointed_peak", parameters={**first.parameters, **peak})
+    return evolve(model, joints=(pointed, *model.joints[1:]))
+
+
 def rubbing(model):
     return with_joint(model, Joint("rub", ("wall", "front"), "coulomb", fixed(friction_force=4e3, slip_rate=0.05)))
 
@@ -331,6 +338,10 @@ CASES = {
     buckling: (
         ("peak_load", "narrow", {"joint": "first"}),
         {"peak_force": 2e4, "peak_deformation": 0.1, "peak_sharpness": 20.0},
+    ),
+    buckling_suddenly: (
+        ("peak_load", "pointed", {"joint": "first"}),
+        {"peak_deformation": 0.15},
     ),
     rubbing: (("joint_friction", "sharp", {"joint": "first"}), {"friction_force": 4e3}),
     bristling: (

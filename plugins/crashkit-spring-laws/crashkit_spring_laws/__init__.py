@@ -1,6 +1,6 @@
 """The force laws and rate factors that ship with crashkit."""
 
-from crashkit_spring_laws.buckling import Folding, Peak
+from crashkit_spring_laws.buckling import BellPeak, Folding, Peak, PointedPeak
 from crashkit_spring_laws.crush_plateau import CrushPlateau
 from crashkit_spring_laws.dampers import Viscous, ViscousPower
 from crashkit_spring_laws.fracture import Brittle, Fracture, Tear
@@ -47,6 +47,8 @@ SPRING_LAWS = (
     HuntCrossley,
     TensionSpring,
     Peak,
+    PointedPeak,
+    BellPeak,
     Folding,
     Fracture,
     Brittle,
@@ -65,6 +67,7 @@ SPRING_LAWS = (
 
 __all__ = [
     "SPRING_LAWS",
+    "BellPeak",
     "BoucWen",
     "Brittle",
     "Coulomb",
@@ -82,6 +85,8 @@ __all__ = [
     "MeasuredCurve",
     "Peak",
     "PiecewiseAffine",
+    "PlasticShare",
+    "PointedPeak",
     "QuadraticStop",
     "RateCurve",
     "RateEyring",

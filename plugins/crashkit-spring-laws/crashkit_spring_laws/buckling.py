@@ -29,6 +29,52 @@ class Peak(SpringLaw):
         return peak_force * max(0.0, (u * math.exp(1.0 - u)) ** peak_sharpness - release)
 
 
+PLACE = (
+    ParameterSpec("peak_force", "N", "force above the plateau (P)", lower=0.0, null=0.0),
+    ParameterSpec("peak_deformation", "m", "deformation at the peak", lower=1e-4),
+    ParameterSpec("peak_width", "m", "from the peak to where it ends, on the far side (w)", lower=1e-4),
+)
+
+
+class PointedPeak(SpringLaw):
+    """The peak of an undeformed member, with a point: P (1 - |d_max - peak_deformation| / w), at most from 0 on.
+
+    It comes once, like `peak`, and is released along the steeper of its flanks.
+    """
+
+    name = "pointed_peak"
+    parameters = PLACE
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, peak_force: float, peak_deformation: float, peak_width: float) -> float:
+        """The force, N, compression positive."""
+        before = min(peak_width, peak_deformation)
+        x = max(0.0, d_max) - peak_deformation
+        share = 1.0 - max(x / peak_width, -x / before)
+        return peak_force * max(0.0, max(0.0, share) - (d_max - d) / before)
+
+
+class BellPeak(SpringLaw):
+    """The peak of an undeformed member, like a bell: P exp(-((d_max - peak_deformation) / w)^2), less what it has at 0.
+
+    What it has at 0 is taken off along a line to the peak. It comes once, like `peak`, and is released as steeply as it rises.
+    """
+
+    name = "bell_peak"
+    parameters = (
+        *PLACE[:2],
+        ParameterSpec("peak_width", "m", "from the peak to where 37 % of it are left (w)", lower=1e-4),
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, peak_force: float, peak_deformation: float, peak_width: float) -> float:
+        """The force, N, compression positive."""
+        x, u = max(0.0, d_max), peak_deformation / peak_width
+        over = (x - peak_deformation) / peak_width
+        share = math.exp(-(over * over)) - math.exp(-(u * u)) * max(0.0, 1.0 - x / peak_deformation)
+        return peak_force * max(0.0, share - (d_max - d) / peak_width)
+
+
 class Folding(SpringLaw):
     """Folds that form one after another: A exp(-weakening t) atan(k sin v / (1 - k cos v)) / asin k, 0 before the onset.
 

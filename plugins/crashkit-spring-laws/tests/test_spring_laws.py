@@ -11,6 +11,7 @@ from crashkit.testing import SpringLawContract
 from crashkit.testing.spring_law_probe import Probe
 from crashkit_spring_laws import (
     SPRING_LAWS,
+    BellPeak,
     BoucWen,
     Brittle,
     Coulomb,
@@ -29,6 +30,7 @@ from crashkit_spring_laws import (
     Peak,
     PiecewiseAffine,
     PlasticShare,
+    PointedPeak,
     QuadraticStop,
     QuasiLinear,
     RateCurve,
@@ -96,6 +98,9 @@ EXAMPLES = [
     (RateCurve, {"rate_heights": [-0.4, 0.0, 0.2, 0.1], "rate_reach": 10.0}),
     (MeasuredCurve, MEASURED),
     (MeasuredCurve, MEASURED | {"unloading_stiffness": 2e6, "clearance": 0.1}),
+    (PointedPeak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": 0.06}),
+    (PointedPeak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": 0.2}),
+    (BellPeak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": 0.06}),
     (BoucWen, {"stiffness": 1e6, "yield_force": 5e4}),
     (BoucWen, {"stiffness": 1e6, "yield_force": 5e4, "hardening": 0.1, "sharpness": 1.0}),
     (ViscousPower, {"damping": 1e4, "exponent": 0.6}),
@@ -287,6 +292,23 @@ def test_a_sharp_peak_is_narrow():
     forces = [value(Peak, d, **shape) for d in (0.0, 0.025, 0.1, 0.175)]
     assert forces[::2] == pytest.approx([0.0, 5e4])
     assert max(forces[1], forces[3]) < 0.06 * 5e4
+
+
+def test_a_pointed_peak_has_straight_flanks_from_nothing_on():
+    narrow, wide = ({"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": width} for width in (0.04, 0.2))
+    assert [value(PointedPeak, d, **narrow) for d in (0.05, 0.08, 0.1, 0.13, 0.2)] == pytest.approx(
+        [0.0, 25e3, 5e4, 12.5e3, 0.0]
+    )
+    assert [value(PointedPeak, d, **wide) for d in (0.0, 0.05, 0.1, 0.2)] == pytest.approx([0.0, 25e3, 5e4, 25e3])
+    assert value(PointedPeak, 0.08, d_max=0.1, **narrow) == pytest.approx(25e3)
+    assert value(PointedPeak, 0.1, d_max=0.5, **narrow) == 0.0
+
+
+def test_a_bell_begins_at_nothing():
+    shape = {"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": 0.06}
+    forces = [value(BellPeak, d, **shape) for d in (0.0, 0.1, 0.16, 1.0)]
+    assert forces == pytest.approx([0.0, 5e4, 5e4 / math.e, 0.0], abs=1e-6)
+    assert value(BellPeak, 0.1, d_max=0.5, **shape) == 0.0
 
 
 def test_folding_swings_about_nothing_and_lets_go():
