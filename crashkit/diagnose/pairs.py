@@ -5,8 +5,9 @@ from collections.abc import Iterator
 from attrs import evolve
 
 from crashkit.diagnose.contest import Progress
-from crashkit.diagnose.evidence import FLOOR, Rival
+from crashkit.diagnose.evidence import FLOOR, Rival, best_forms, ranked_by_evidence
 from crashkit.diagnose.forms import in_best_forms
+from crashkit.diagnose.imitate import imitating
 from crashkit.diagnose.look import Round, between, is_unknown, look_again, settled
 from crashkit.diagnose.rebuild import rebuild
 from crashkit.diagnose.search import Search
@@ -19,13 +20,13 @@ def named_before_unknown(
 ) -> tuple[list[Round], Round]:
     """Nothing and the round; or, where an unknown force has won it, what named causes fit better than its table.
 
-    The best of them may be enough, and only be caught in a poor form or a local optimum. Two are asked for where the table
-    leaves something: it takes up much of two effects at once, but not all, where each of them alone leaves the other.
+    One of them may be enough, and only be caught in a poor form or a local optimum. Two are asked for where the table leaves
+    something: it takes up much of two effects at once, but not all, where each of them alone leaves the other.
     """
     table = look.winner
     if table is None or not is_unknown(table):
         return [], look
-    named = _named(workshop, given, base_search, look, progress)
+    named = _named(workshop, given, base_search, look, table, progress)
     if _beats(named.winner, table):
         return [], named
     if table.search.normalised < FLOOR:
@@ -40,9 +41,12 @@ def _beats(rival: Rival | None, table: Rival) -> bool:
     return rival is not None and not is_unknown(rival) and rival.search.deviance < table.search.deviance
 
 
-def _named(workshop: Workshop, given: Misfit, base_search: Search, look: Round, progress: Progress) -> Round:
-    """The round without estimates, its winner in the best form."""
-    first = between(look, [rival for rival in look.rivals if not is_unknown(rival)])
+def _named(workshop: Workshop, given: Misfit, base_search: Search, look: Round, table: Rival, progress: Progress) -> Round:
+    """The round without estimates, with what imitates its table, its winner in the best form."""
+    imitations = imitating(workshop, base_search, table, progress)
+    rivals = [*look.rivals, *ranked_by_evidence(imitations, table.drop + table.search.deviance)]
+    known = sorted((rival for rival in rivals if not is_unknown(rival)), key=lambda rival: -rival.evidence)
+    first = between(look, best_forms(known))
     if first.winner is None:
         return first
     first = settled(workshop, given, first, first.winner, progress)
