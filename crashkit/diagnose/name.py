@@ -19,7 +19,7 @@ from crashkit.diagnose.contest import (
 from crashkit.diagnose.evidence import FLOOR, STRAINED, Rival, explains, ranked_by_evidence
 from crashkit.diagnose.regress import regressed
 from crashkit.diagnose.reidentify import reidentify, scattered
-from crashkit.diagnose.result import UNKNOWN, place_of
+from crashkit.diagnose.result import UNKNOWN
 from crashkit.diagnose.score import Score
 from crashkit.diagnose.search import Search, begin
 from crashkit.diagnose.workshop import Workshop
@@ -174,7 +174,7 @@ def _polished(
     astray: float,
     progress: Progress,
 ) -> list[Entrant]:
-    """Every form of the leading claims, and of all claims where an unknown force leads to, searched from many starts.
+    """Every form of the leading claims, searched from many starts.
 
     Only where the winner has not reached the noise floor, or is an estimate: another form of its own, or of its closest
     rivals, may only have been caught in a local optimum. An estimate that reaches the noise gives way to what leaves less: of
@@ -199,7 +199,5 @@ def _polished(
 
 
 def _leads(proposal: Proposal, ranked: Sequence[Rival]) -> bool:
-    first = ranked[0].proposal
     known = dict.fromkeys(identity(rival.proposal) for rival in ranked if rival.proposal.physics != UNKNOWN)
-    at_unknown = first.physics == UNKNOWN and place_of(proposal.location) == place_of(first.location)
-    return at_unknown or identity(proposal) in list(known)[:POLISHED]
+    return identity(proposal) in list(known)[:POLISHED]

@@ -18,23 +18,26 @@ LOGARITHM = {"rate_amplitude": Parameter(0.0, 0.0, 10.0), "reference_rate": Para
 class RateDependence(Hypothesis):
     """F = F_static (1 + a ddot), F_static (1 + a ddot^n) (Cowper-Symonds) or F_static (1 + a ln(1 + ddot / r)) (Johnson-Cook).
 
-    Mizzi & Jezequel 1992, eq 1, for the linear form. Where it also falls on the way back, F_static (1 + a asinh(ddot / r)).
+    Mizzi & Jezequel 1992, eq 1, for the linear form. Where it has a limit, F_static (1 + a ddot / (ddot + r)); where it also
+    falls on the way back, F_static (1 + a asinh(ddot / r)).
     """
 
     physics: ClassVar[str] = "rate_dependence"
     sentence: ClassVar[str] = "the force of {place} rises with its deformation rate"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Four forms at every joint that has no rate factor yet."""
+        """Several forms at every joint that has no rate factor yet."""
         return [form for joint in model.joints if not _has_rate(joint) for form in self._forms(model, joint)]
 
     def _forms(self, model: Model, joint: Joint) -> list[Proposal]:
         powers = grid(rate_exponent=(0.2, 0.6))
         eyring = multiplied(model, joint, self.physics, "both ways", "rate_eyring", LOGARITHM, "rate_amplitude")
+        saturating = multiplied(model, joint, self.physics, "to a limit", "rate_saturating", LOGARITHM, "rate_amplitude")
         return [
             multiplied(model, joint, self.physics, "linear", "rate_linear", LINEAR, "rate_slope"),
             multiplied(model, joint, self.physics, "power", "rate_power", POWER, "rate_amplitude", powers),
             multiplied(model, joint, self.physics, "logarithm", "rate_logarithm", LOGARITHM, "rate_amplitude"),
+            evolve(saturating, refined=True),
             evolve(eyring, refined=True),
         ]
 

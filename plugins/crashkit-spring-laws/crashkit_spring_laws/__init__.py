@@ -9,7 +9,7 @@ from crashkit_spring_laws.gradual_loss import Fading, PlasticShare, ResidualSet,
 from crashkit_spring_laws.hysteresis import BoucWen
 from crashkit_spring_laws.measured_curve import MeasuredCurve
 from crashkit_spring_laws.piecewise_affine import PiecewiseAffine
-from crashkit_spring_laws.rate_factors import RateEyring, RateLinear, RateLogarithm, RatePower
+from crashkit_spring_laws.rate_factors import RateEyring, RateLinear, RateLogarithm, RatePower, RateSaturating
 from crashkit_spring_laws.relaxation import Maxwell, QuasiLinear
 from crashkit_spring_laws.stops import (
     CrushStop,
@@ -32,6 +32,7 @@ SPRING_LAWS = (
     RateLinear,
     RatePower,
     RateLogarithm,
+    RateSaturating,
     RateEyring,
     Viscous,
     ViscousPower,
@@ -93,6 +94,7 @@ __all__ = [
     "RateLinear",
     "RateLogarithm",
     "RatePower",
+    "RateSaturating",
     "RateTable",
     "SmoothTable",
     "Softening",

@@ -65,6 +65,23 @@ class RateLogarithm(SpringLaw):
         return 1.0 + rate_amplitude * math.log(1.0 + max(0.0, ddot) / reference_rate)
 
 
+class RateSaturating(SpringLaw):
+    """A rise with the rate while loading that has a limit: 1 + A ddot / (ddot + r)."""
+
+    name = "rate_saturating"
+    unit = "1"
+    parameters = (
+        ParameterSpec("rate_amplitude", "1", "relative rise of the force in the end (A)", lower=0.0, null=0.0),
+        ParameterSpec("reference_rate", "m s-1", "rate at which it has risen by half of that (r)", lower=1e-3, upper=100.0),
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, rate_amplitude: float, reference_rate: float) -> float:
+        """The factor."""
+        rate = max(0.0, ddot)
+        return 1.0 + rate_amplitude * rate / (rate + reference_rate)
+
+
 class RateEyring(SpringLaw):
     """A rise with the logarithm of the rate, and a fall on the way back: max(0, 1 + A asinh(ddot / r)), after Eyring (1936).
 

@@ -38,6 +38,7 @@ from crashkit_spring_laws import (
     RateLinear,
     RateLogarithm,
     RatePower,
+    RateSaturating,
     RateTable,
     ResidualSet,
     SmoothTable,
@@ -73,6 +74,7 @@ EXAMPLES = [
     (RateLinear, {"rate_slope": 0.02}),
     (RatePower, {"rate_amplitude": 0.3, "rate_exponent": 0.2}),
     (RateLogarithm, {"rate_amplitude": 0.1, "reference_rate": 0.5}),
+    (RateSaturating, {"rate_amplitude": 0.4, "reference_rate": 2.0}),
     (RateEyring, {"rate_amplitude": 0.1, "reference_rate": 0.5}),
     (Viscous, {"damping": 3e3, "clearance": 0.1}),
     (Coulomb, {"friction_force": 5e3}),
@@ -277,6 +279,8 @@ def test_rate_factors():
     )
     assert value(RatePower, 0.1, ddot=-8.0, rate_amplitude=0.5, rate_exponent=0.3) == 1.0
     assert value(RateLogarithm, 0.1, ddot=3.0, rate_amplitude=0.1, reference_rate=1.0) == pytest.approx(1 + 0.1 * math.log(4))
+    limited = [value(RateSaturating, 0.1, ddot=rate, rate_amplitude=0.4, reference_rate=2.0) for rate in (-3.0, 2.0, 1e9)]
+    assert limited == pytest.approx([1.0, 1.2, 1.4])
     both_ways = [value(RateEyring, 0.1, ddot=rate, rate_amplitude=0.1, reference_rate=0.5) for rate in (-3.0, 3.0, -1e9)]
     assert both_ways == pytest.approx([1.0 - 0.1 * math.asinh(6.0), 1.0 + 0.1 * math.asinh(6.0), 0.0])
 
