@@ -27,12 +27,15 @@ def named(monkeypatch):
     """What stands in the place of a round that a table won, where later looks are these, a claim alone fits so well, and the
     best named cause in its best form so well."""
 
-    def ask(look, later, alone=3000.0, formed=None):
+    def ask(look, later, alone=3000.0, formed=None, imitation=None):
         def better(rounds):
             found = rival(rounds[0].rivals[0].proposal.physics, formed) if formed else rounds[0].rivals[0]
             return [evolve(rounds[0], rivals=(found, *rounds[0].rivals[1:]))]
 
         looks = iter(later)
+        imitations = [("fracture", imitation)] if imitation else []
+        monkeypatch.setattr(pairs, "imitating", lambda *_: imitations)
+        monkeypatch.setattr(pairs, "ranked_by_evidence", lambda found, reference: [rival(*one) for one in found])
         monkeypatch.setattr(pairs, "look_again", lambda *_: next(looks))
         monkeypatch.setattr(pairs, "settled", lambda workshop, given, look, winner, progress: look)
         monkeypatch.setattr(pairs, "in_best_forms", lambda workshop, base, rounds, search, progress: (better(rounds), search))
@@ -82,3 +85,11 @@ def test_one_named_cause_that_fits_better_once_it_has_its_best_form(named, norma
 def test_a_table_at_the_noise_is_believed(named):
     look = won_by(rival(UNKNOWN, 1000.0, normalised=1.0), rival("fracture", 2000.0))
     assert named(look, [], formed=1010.0) == ([], UNKNOWN)
+
+
+def test_a_cause_that_imitates_the_table_and_fits_better_comes_first(named):
+    assert named(won_by(TABLE, rival("relaxation", 2000.0)), [], imitation=990.0) == ([], "fracture")
+    assert named(won_by(rival(UNKNOWN, 1000.0, normalised=1.0), rival("relaxation", 2000.0)), [], imitation=1100.0) == (
+        [],
+        UNKNOWN,
+    )
