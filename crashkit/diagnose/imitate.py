@@ -1,6 +1,7 @@
 """Named causes that act as an estimated force does, begun at the numbers that the model has beside that."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.search import Search, begin, begin_all
 from crashkit.diagnose.workshop import Workshop
+from crashkit.misfit import Misfit
 
 SHARES = (1 / 3, 1.0)
 """Of the time recorded, looked at one after the other while only the numbers at the place move."""
@@ -34,26 +36,33 @@ def imitating(workshop: Workshop, base_search: Search, table: Rival, progress: P
     origin, place = base_search.misfit.with_values_of(table.search.fitted()), place_of(table.proposal.location)
     known = [p for p in propose_all(workshop.hypotheses, origin) if p.physics != UNKNOWN and place_of(p.location) == place]
     equipped = workshop.equipped([proposal.model for proposal in known])
-    starts = [(proposal, {**proposal.null, **start}) for proposal in known for start in proposal.starts]
     here = tuple(f"{kind}.{name}." for kind, name in table.proposal.location.items())
-
-    def end(start: Start) -> tuple[Mapping[str, float], float]:
-        """Where the numbers at the place go while all others stay, and what they leave."""
-        (proposal, values), cost = start, np.inf
-        for early in (origin.coarse.up_to(share) for share in SHARES):
-            misfit = equipped.misfit(early, proposal.model).with_values_of(origin)
-            free = {name: name in proposal.parameters or name.startswith(here) for name in misfit.names}
-            search = begin(equipped.identifier, misfit.with_values(values, free)).advance(ALONE)
-            values, cost = {**values, **search.misfit.values(search.point)}, search.state.cost
-        return values, cost
-
+    starts = [(proposal, {**proposal.null, **start}) for proposal in known for start in proposal.starts]
     progress(f"fitting {len(known)} causes to the force estimated at {place}", 0.0)
-    ends = [(proposal, one) for (proposal, _), one in zip(starts, spread(end, starts), strict=True)]
-    ahead = first_of_each(sorted(ends, key=lambda entrant: entrant[1][1]), 1)[: FORMS[0]]
+    ends = spread(partial(_at_the_place, equipped, origin, here), starts)
+    ranked = sorted(zip((proposal for proposal, _ in starts), ends, strict=True), key=lambda one: one[1][1])
+    ahead = first_of_each(ranked, 1)[: FORMS[0]]
     misfits = [equipped.misfit(origin, p.model).with_values_of(origin).with_values(values) for p, (values, _) in ahead]
-    searches = begin_all(workshop.identifier, misfits)
-    fitted = heats(list(zip((proposal for proposal, _ in ahead), searches, strict=True)), (FORMS,), progress)
+    entrants = list(zip((p for p, _ in ahead), begin_all(workshop.identifier, misfits), strict=True))
+    return heats(_best_of_each_claim(heats(entrants, (FORMS,), progress)), (CLAIMS,), progress)
+
+
+def _at_the_place(
+    workshop: Workshop, origin: Misfit, here: tuple[str, ...], start: Start
+) -> tuple[Mapping[str, float], float]:
+    """Where the numbers of a cause and those of its place go while all others stay, and what they leave."""
+    (proposal, values), cost = start, np.inf
+    for early in (origin.coarse.up_to(share) for share in SHARES):
+        if early.groups:
+            misfit = workshop.misfit(early, proposal.model).with_values_of(origin)
+            free = {name: name in proposal.parameters or name.startswith(here) for name in misfit.names}
+            search = begin(workshop.identifier, misfit.with_values(values, free)).advance(ALONE)
+            values, cost = {**values, **search.misfit.values(search.point)}, search.state.cost
+    return values, cost
+
+
+def _best_of_each_claim(fitted: Sequence[Entrant]) -> list[Entrant]:
     claims: dict[tuple[str, str], Entrant] = {}
     for proposal, search in sorted(fitted, key=lambda entrant: entrant[1].state.cost):
         claims.setdefault(identity(proposal), (proposal, search))
-    return heats(list(claims.values()), (CLAIMS,), progress)
+    return list(claims.values())

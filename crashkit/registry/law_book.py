@@ -214,4 +214,4 @@ SIGNS = {
     " + ": (fit_together, _sum),
 }
 """What a sign asks of two laws, and what it makes of them; the sign that binds least comes first."""
-MEANINGS = {" | ": "beside", " % ": "of a share", " * ": "times", " ~ ": "through"}
+MEANINGS = {" | ": "beside", " % ": "in part, by", " * ": "times", " ~ ": "through"}
