@@ -63,7 +63,7 @@ def in_all_forms(
     equipped = workshop.equipped([form.model for form in forms])
     starts = [(form, {**form.null, **start}) for form in forms for start in _starts(form, rival.proposal, found)]
     ahead = spread(partial(_alone, equipped, origin, search.fitted()), starts)
-    misfits = [_with(equipped, origin, form, values) for (form, _), values in zip(starts, ahead, strict=True)]
+    misfits = [with_form(equipped, origin, form, values) for (form, _), values in zip(starts, ahead, strict=True)]
     searches = begin_all(workshop.identifier, misfits)
     return _fitted(list(zip((form for form, _ in starts), searches, strict=True)))
 
@@ -89,24 +89,27 @@ def _alone(workshop: Workshop, origin: Misfit, present: Misfit, start: Start) ->
     form, values = start
     routes = [(values, SHARES), (values, SHARES[-1:])]
     if {body.name for body in form.model.bodies} == {body.name for body in present.model.bodies}:
-        other = _with(workshop, origin, form, values)
+        other = with_form(workshop, origin, form, values)
         routes.append((most_alike(present, other, form.parameters, workshop.laws), SHARES[-1:]))
-    ends = [_along(workshop, origin, (form, begun), route) for begun, route in routes]
+    ends = [along(workshop, origin, (form, begun), route) for begun, route in routes]
     return min(ends, key=lambda end: end[1])[0]
 
 
-def _along(workshop: Workshop, origin: Misfit, start: Start, route: Sequence[float]) -> tuple[Mapping[str, float], float]:
-    """The numbers at the end, and what they leave there."""
+def along(
+    workshop: Workshop, origin: Misfit, start: Start, route: Sequence[float], here: tuple[str, ...] = ()
+) -> tuple[Mapping[str, float], float]:
+    """Where a form's own numbers go, and those whose paths begin with `here`, and what they leave there."""
     (form, values), cost = start, np.inf
     for early in (origin.coarse.up_to(share) for share in route):
         if early.groups:
-            misfit = _with(workshop, early, form, values)
-            alone = misfit.with_values({}, free={name: name in form.parameters for name in misfit.names})
+            misfit = with_form(workshop, early, form, values)
+            alone = misfit.with_values({}, free={n: n in form.parameters or n.startswith(here) for n in misfit.names})
             search = begin(workshop.identifier, alone).advance(ALONE)
-            values, cost = alone.values(search.point), search.state.cost
+            values, cost = {**values, **alone.values(search.point)}, search.state.cost
     return values, cost
 
 
-def _with(workshop: Workshop, origin: Misfit, form: Proposal, values: Mapping[str, float]) -> Misfit:
+def with_form(workshop: Workshop, origin: Misfit, form: Proposal, values: Mapping[str, float]) -> Misfit:
+    """The misfit of a form at these values, and at those of `origin` for the rest."""
     misfit = workshop.misfit(origin, form.model).with_values_of(origin)
-    return misfit.with_values({name: value for name, value in values.items() if name in form.parameters})
+    return misfit.with_values({name: value for name, value in values.items() if name in misfit.names})

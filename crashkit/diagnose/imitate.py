@@ -1,23 +1,19 @@
 """Named causes that act as an estimated force does, begun at the numbers that the model has beside that."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import partial
 
-import numpy as np
-
 from crashkit.campaign import spread
-from crashkit.diagnose.contest import Entrant, Progress, Start, first_of_each, heats, identity
+from crashkit.diagnose.contest import Entrant, Progress, first_of_each, heats, identity
 from crashkit.diagnose.evidence import Rival
+from crashkit.diagnose.forms import along, with_form
 from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.result import UNKNOWN, place_of
-from crashkit.diagnose.search import Search, begin, begin_all
+from crashkit.diagnose.search import Search, begin_all
 from crashkit.diagnose.workshop import Workshop
-from crashkit.misfit import Misfit
 
 SHARES = (1 / 3, 1.0)
 """Of the time recorded, looked at one after the other while only the numbers at the place move."""
-ALONE = 10
-"""Steps in each."""
 FORMS = (16, 8)
 """How many forms go on with all numbers, and how many steps each gets."""
 CLAIMS = (4, 60)
@@ -39,26 +35,12 @@ def imitating(workshop: Workshop, base_search: Search, table: Rival, progress: P
     here = tuple(f"{kind}.{name}." for kind, name in table.proposal.location.items())
     starts = [(proposal, {**proposal.null, **start}) for proposal in known for start in proposal.starts]
     progress(f"fitting {len(known)} causes to the force estimated at {place}", 0.0)
-    ends = spread(partial(_at_the_place, equipped, origin, here), starts)
+    ends = spread(partial(along, equipped, origin, route=SHARES, here=here), starts)
     ranked = sorted(zip((proposal for proposal, _ in starts), ends, strict=True), key=lambda one: one[1][1])
     ahead = first_of_each(ranked, 1)[: FORMS[0]]
-    misfits = [equipped.misfit(origin, p.model).with_values_of(origin).with_values(values) for p, (values, _) in ahead]
+    misfits = [with_form(equipped, origin, proposal, values) for proposal, (values, _) in ahead]
     entrants = list(zip((p for p, _ in ahead), begin_all(workshop.identifier, misfits), strict=True))
     return heats(_best_of_each_claim(heats(entrants, (FORMS,), progress)), (CLAIMS,), progress)
-
-
-def _at_the_place(
-    workshop: Workshop, origin: Misfit, here: tuple[str, ...], start: Start
-) -> tuple[Mapping[str, float], float]:
-    """Where the numbers of a cause and those of its place go while all others stay, and what they leave."""
-    (proposal, values), cost = start, np.inf
-    for early in (origin.coarse.up_to(share) for share in SHARES):
-        if early.groups:
-            misfit = workshop.misfit(early, proposal.model).with_values_of(origin)
-            free = {name: name in proposal.parameters or name.startswith(here) for name in misfit.names}
-            search = begin(workshop.identifier, misfit.with_values(values, free)).advance(ALONE)
-            values, cost = {**values, **search.misfit.values(search.point)}, search.state.cost
-    return values, cost
 
 
 def _best_of_each_claim(fitted: Sequence[Entrant]) -> list[Entrant]:

@@ -37,7 +37,7 @@ PLACE = (
 
 
 class PointedPeak(SpringLaw):
-    """The peak of an undeformed member, with a point: P (1 - |d_max - peak_deformation| / w), at most from 0 on.
+    """The peak of an undeformed member, with a point: P (1 - |d_max - peak_deformation| / w), rising from 0 or later.
 
     It comes once, like `peak`, and is released along the steeper of its flanks.
     """
@@ -57,7 +57,8 @@ class PointedPeak(SpringLaw):
 class BellPeak(SpringLaw):
     """The peak of an undeformed member, like a bell: P exp(-((d_max - peak_deformation) / w)^2), less what it has at 0.
 
-    What it has at 0 is taken off along a line to the peak. It comes once, like `peak`, and is released as steeply as it rises.
+    What it has at 0 is taken off along a line to the peak. It comes once, like `peak`, and is released along a
+    slope of P / w, which is steeper than its flanks.
     """
 
     name = "bell_peak"
