@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 import numpy as np
+from scipy.constants import g
 
 from crashkit.data.channel_filter import filter_channel
 from crashkit.data.ringing import ringing, ringing_derivatives
@@ -37,6 +38,8 @@ class Chain:
         for oscillator in ("rocking", "resonance"):
             if f"{oscillator}_share" in self._own and self._acts(f"{oscillator}_share"):
                 self.ring(oscillator)
+        if "lean" in self._own and self._acts("lean"):
+            self.lean()
         self.amplify()
         if self._acts("quadratic", "cubic"):
             self.bend()
@@ -64,6 +67,15 @@ class Chain:
             by_frequency, by_damping = ringing_derivatives(column, *mount)
             self.errors[f"{oscillator}_frequency"] = share * by_frequency[..., 0]
             self.errors[f"{oscillator}_damping"] = share * by_damping[..., 0]
+
+    def lean(self) -> None:
+        """a cos(lean) + g sin(lean): behind the mount, to which gravity is no news."""
+        lean, felt = self._own["lean"], self.value
+        if lean.any():
+            self._each(lambda columns: np.cos(lean)[:, None] * columns)
+            self.value = np.cos(lean) * felt + g * np.sin(lean)
+        if self.errors is not None:
+            self.errors["lean"] = g * np.cos(lean) - np.sin(lean) * felt
 
     def amplify(self) -> None:
         """gain a."""
@@ -137,16 +149,22 @@ class Chain:
             self.errors |= {"zero_shift_time": slope, "zero_shift_rise": slope * since}
 
     def filter(self, channel_frequency_class: int) -> None:
-        """The filter, which a constant passes unchanged; before the first sample the sensor felt nothing."""
+        """The filter, which a constant passes unchanged; before the first sample the sensor felt nothing but gravity."""
         if channel_frequency_class:
             self._filter(channel_frequency_class)
         if self.errors is not None:
             self.errors["bias"] = np.ones_like(self.value)
 
     def _filter(self, channel_frequency_class: int) -> None:
-        """All that is small at once; only what an offset leaves was there before the first sample."""
+        """All that is small at once; only what an offset and gravity leave was there before the first sample."""
         columns = {"": self.value, **(self.errors or {})}
-        before = {"": self._own["bias"] + self._own["bias_drift"] * self._times[0], "bias_drift": self._times[0]}
+        gain, lean = self._own["gain"], self._own.get("lean", np.zeros(1))
+        before = {
+            "": gain * g * np.sin(lean) + self._own["bias"] + self._own["bias_drift"] * self._times[0],
+            "lean": gain * g * np.cos(lean),
+            "gain": g * np.sin(lean),
+            "bias_drift": self._times[0],
+        }
         starts = np.zeros((len(columns), self.value.shape[1]))
         for row, name in enumerate(columns):
             starts[row] = before.get(name, 0.0)

@@ -53,6 +53,8 @@ POSITION_ERRORS = tuple(
     for axis in AXES
 )
 
+LEAN = ParameterSpec("lean", "rad", "angle out of the axis of a model on a line, towards gravity", -1.5, 1.5, 0.0, null=0.0)
+
 
 def _around_null(name: str, unit: str, meaning: str, bound: float) -> ParameterSpec:
     return ParameterSpec(name, unit, meaning, -bound, bound, default=0.0, null=0.0)

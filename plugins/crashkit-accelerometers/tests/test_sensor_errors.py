@@ -45,6 +45,7 @@ def read(sensors):
         ({"bias_drift": 50.0}, PULSE + 50.0 * TIMES),
         ({"tilt_y": 0.2}, np.cos(0.2) * PULSE),
         ({"tilt_x": 0.2}, PULSE),
+        ({"lean": -0.3}, np.cos(0.3) * PULSE - 9.80665 * np.sin(0.3)),
         ({"quadratic": 1e-4}, PULSE + 1e-4 * PULSE**2),
         ({"cubic": -1e-6}, PULSE - 1e-6 * PULSE**3),
         ({"saturation": 120.0}, np.minimum(PULSE, 120.0)),
@@ -68,6 +69,11 @@ def test_gain_comes_before_linearity_saturation_and_offset_and_the_filter_last(r
     amplified = 1.5 * PULSE
     expected = np.clip(amplified + 1e-4 * amplified**2, -250.0, 250.0) + 7.0 + 90.0 * TIMES
     np.testing.assert_allclose(found, filter_channel(expected, TIMES, 180, before=7.0), atol=1e-9)
+
+
+def test_gravity_was_there_before_the_filter(read) -> None:
+    found = read({"lean": 0.5, "gain": 1.2, "bias": 3.0}, values=0.0 * PULSE, cfc=180)
+    np.testing.assert_allclose(found, 1.2 * 9.80665 * np.sin(0.5) + 3.0, atol=1e-9)
 
 
 @pytest.mark.parametrize(("frequency", "damping"), [(800.0, 0.02), (150.0, 0.3), (4000.0, 0.7)])
@@ -224,6 +230,12 @@ def test_derivatives_to_every_error_hold_among_all_others(turning, sensors, name
 def test_derivatives_to_a_limit_of_one_side(sensors, name) -> None:
     motion = line_motion(PULSE - 0.5 * PULSE.max())
     assert wrong_derivatives(motion, sensors([[0.0]], TIMES, axes="x"), {name: 0.3 * PULSE.max()}, name, 1e-4) < 0.01
+
+
+@pytest.mark.parametrize("name", ["lean", "gain", "bias", "resonance_share"])
+def test_derivatives_of_a_sensor_that_leans(sensors, name) -> None:
+    errors = {"lean": -0.4, "gain": 1.2, "bias": 2.0} | {key: WRONG[key] for key in WRONG if key.startswith("resonance")}
+    assert wrong_derivatives(line_motion(PULSE), sensors([[0.0]], TIMES, axes="x", cfc=180), errors, name, 1e-6) == 0.0
 
 
 @pytest.mark.parametrize("name", ["clock_offset", "clock_rate"])

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 import xarray as xr
+from scipy.constants import g
 
 from crashkit.model import Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
@@ -13,7 +14,8 @@ from crashkit_hypotheses.ringing import HIGHEST, LOWEST, ringing_frequencies
 
 UNCLIPPED = 1e4
 """Limit, in largest readings, that no motion reaches, and towards which none bends."""
-
+LEANS, STEEPEST = (-0.3, 0.3), 1.2
+"""Angles of a sensor that leans towards gravity, rad: to start from, and at most."""
 
 LIMITS = {"limit": "saturation", "above": "saturation_above", "below": "saturation_below", "soft": "saturation_soft"}
 """The errors of a sensor that clips, by form."""
@@ -66,9 +68,10 @@ class MountingResonance(Hypothesis):
 
 
 class Misalignment(Hypothesis):
-    """recorded = R(tilt) e . true, or (e + transverse) . true, for a channel along e.
+    """recorded = R(tilt) e . true, or (e + transverse) . true, for a channel along e; on a line, cos(lean) true + g sin(lean) + b.
 
-    On a line the first is a gain below 1, as `GainError` says, and the second is nothing.
+    The offset b is 0 where gravity was not balanced out before the shock. Where all of it was, this is a gain below 1, as
+    `GainError` says.
     """
 
     physics: ClassVar[str] = "misalignment"
@@ -76,15 +79,21 @@ class Misalignment(Hypothesis):
     sensor: ClassVar[bool] = True
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Every sensor with several axes: tilted, and with transverse sensitivity."""
+        """Every sensor with several axes: tilted, and with transverse sensitivity; on a line those that lean towards gravity."""
+        if len(model.axes) == 1:
+            return [self._leaning(model, one) for one in accused(model, recordings, ["lean", "bias"])]
         tilts = [f"tilt_{axis}" for axis in _turning_axes(model)]
         shares = [f"transverse_{axis}" for axis in model.axes]
         return [
             fault(self.physics, form, model, one, dict.fromkeys(errors, Parameter(0.0, -0.5, 0.5)), errors[0])
             for form, errors in (("tilt", tilts), ("transverse", shares))
             for one in accused(model, recordings, errors)
-            if len(model.axes) > 1 and len(one.axes) > 1
+            if len(one.axes) > 1
         ]
+
+    def _leaning(self, model: Model, one: Accused) -> Proposal:
+        errors = {"lean": Parameter(0.0, -STEEPEST, STEEPEST), "bias": Parameter(0.0, -2.0 * g, 2.0 * g)}
+        return fault(self.physics, "lean", model, one, errors, "lean", grid(lean=LEANS))
 
 
 def _turning_axes(model: Model) -> tuple[str, ...]:

@@ -114,10 +114,12 @@ def test_an_obstacle_that_slides_is_pushed_ahead(car, engine, crash):
     assert float(np.abs(run["position"].sel(body="wall", axis="y")).max()) < 0.01
 
 
-def test_on_a_line_a_tilt_is_a_gain():
+def test_on_a_line_a_tilted_sensor_also_reads_gravity():
     toy = toys.two_degrees()
     run = toys.recording(Simulator(toy, load().spring_laws).run(TIMES))
-    assert Misalignment().propose(toy, [], [run]) == []
+    tilted = {p.location["sensor"]: p for p in Misalignment().propose(toy, [], [run])}
+    assert {p.form for p in tilted.values()} == {"lean"}
+    assert tilted["floor_a"].parameters == tuple(f"instrument.accelerometer.floor_a.{name}" for name in ("lean", "bias"))
 
 
 def test_a_tilted_sensor_is_found(car, crash, engine, recorded):
