@@ -40,10 +40,43 @@ class Suspect:
 
 def suspects(misfit: Misfit) -> tuple[Suspect, ...]:
     """The accelerometers that contradict a film by kinematics alone; not where the clock of either explains it best."""
-    checks = check_instruments(by_run(misfit)).to_dataframe()
-    worst = checks.sort_values("sigma").groupby(["body", "accelerometer"]).tail(1)
-    accused = worst[(worst["sigma"] > SIGNIFICANT) & (worst["error"] != CLOCK)]
-    return tuple(_suspect(misfit, str(row.body), str(row.accelerometer)) for row in accused.itertuples())
+    worst = _contradictions(misfit)
+    accused = worst.isel(check=(worst["error"] != CLOCK).values)
+    pairs = zip(accused["body"].values.tolist(), accused["accelerometer"].values.tolist(), strict=True)
+    return tuple(_suspect(misfit, body, accelerometer) for body, accelerometer in pairs)
+
+
+def late_clocks(misfit: Misfit) -> dict[str, float]:
+    """By how much, in s, an instrument or another must be late, where that explains best how they contradict each other."""
+    worst = _contradictions(misfit)
+    late = worst.isel(check=(worst["error"] == CLOCK).values)
+    if not late.sizes["check"]:
+        return {}
+    plainest = late.isel(check=int(late["sigma"].values.argmax()))
+    offset = float(plainest["estimate"])
+    return {str(plainest["film"].item()): -offset, str(plainest["accelerometer"].item()): offset}
+
+
+def _contradictions(misfit: Misfit) -> xr.Dataset:
+    """Of the instruments on a body that do not agree, the error that would explain it best."""
+    checks = check_instruments(by_run(misfit)).sortby("sigma")
+    pairs = zip(checks["body"].values.tolist(), checks["accelerometer"].values.tolist(), strict=True)
+    last = {pair: number for number, pair in enumerate(pairs)}
+    worst = checks.isel(check=list(last.values()))
+    return worst.isel(check=(worst["sigma"] > SIGNIFICANT).values)
+
+
+def on_time(recordings: Mapping[str, xr.DataTree], instrument: str, late: float) -> dict[str, xr.DataTree]:
+    """The recordings with that instrument's time stamps put right; what it recorded before the start is left out."""
+    return {run: _on_time(recording, instrument, late) for run, recording in recordings.items()}
+
+
+def _on_time(recording: xr.DataTree, instrument: str, late: float) -> xr.DataTree:
+    if instrument not in recording.children:
+        return recording
+    group = recording.children[instrument].to_dataset(inherit=False)
+    group = group.assign_coords(time=group["time"] - late)
+    return recording.assign({instrument: xr.DataTree(group.isel(time=(group["time"] >= 0.0).values))})
 
 
 def _suspect(misfit: Misfit, body: str, instrument: str) -> Suspect:

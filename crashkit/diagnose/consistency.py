@@ -37,12 +37,12 @@ def check_instruments(groups: Mapping[str, list[Group]]) -> xr.Dataset:
         groups: the instruments of each run.
 
     Returns:
-        Dataset over `check`: `sentence`, `place`, `body`, `accelerometer`, `error`, `estimate`, `std`, `sigma`.
+        Dataset over `check`: `sentence`, `place`, `body`, `film`, `accelerometer`, `error`, `estimate`, `std`, `sigma`.
     """
     comparisons = [one for instruments in groups.values() for one in _comparisons(instruments)]
     keys = dict.fromkeys((c.body, c.film, c.accelerometer) for c in comparisons)
     rows = [row for key in keys for row in _rows([c for c in comparisons if (c.body, c.film, c.accelerometer) == key])]
-    names = ("sentence", "place", "body", "accelerometer", "error", "estimate", "std", "sigma")
+    names = ("sentence", "place", "body", "film", "accelerometer", "error", "estimate", "std", "sigma")
     columns = zip(*rows, strict=True) if rows else ((),) * len(names)
     return xr.Dataset({name: ("check", np.array(column)) for name, column in zip(names, columns, strict=True)})
 
@@ -89,7 +89,7 @@ def _rows(comparisons: list[Comparison]) -> list[tuple[str | float, ...]]:
             f"{first.accelerometer} against {first.film} on {first.body}: {verdict} "
             f"(as an error of {error.replace('_', ' ')} {estimate:+.3g} ± {std:.2g}{unit})"
         )
-        rows.append((sentence, f"body {first.body}", first.body, first.accelerometer, error, estimate, std, sigma))
+        rows.append((sentence, f"body {first.body}", first.body, first.film, first.accelerometer, error, estimate, std, sigma))
     return rows
 
 

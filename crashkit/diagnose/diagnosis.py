@@ -9,6 +9,7 @@ from attrs import evolve
 from crashkit.campaign import one_thread
 from crashkit.diagnose.consistency import by_run, check_instruments
 from crashkit.diagnose.contest import Progress
+from crashkit.diagnose.discover import discover
 from crashkit.diagnose.evidence import FLOOR, STRAINED, UNEXPLAINED
 from crashkit.diagnose.experiment import experiment
 from crashkit.diagnose.finding import estimates, make_finding, stand_ins
@@ -18,7 +19,7 @@ from crashkit.diagnose.look import Round
 from crashkit.diagnose.needed import needed, price, run_drops
 from crashkit.diagnose.reidentify import refine, reidentify
 from crashkit.diagnose.result import UNKNOWN, Alternative, Diagnosis, Finding, Fit, place_of
-from crashkit.diagnose.rounds import Discovery, discover
+from crashkit.diagnose.rounds import Discovery
 from crashkit.diagnose.search import STEPS, Search, begin
 from crashkit.diagnose.show import action_of, identified_table, limits_table, missing_force_tree, ranking_table, units_of
 from crashkit.diagnose.thinning import thinned_by

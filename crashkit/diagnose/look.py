@@ -7,7 +7,7 @@ from attrs import evolve, field, frozen
 
 from crashkit.diagnose.contest import Progress, identity
 from crashkit.diagnose.evidence import FLOOR, Rival, best_forms, probabilities
-from crashkit.diagnose.name import Limit, again, fit_rivals, propose_all
+from crashkit.diagnose.name import Limit, again, further_rivals, nearest_rivals, propose_all
 from crashkit.diagnose.result import UNKNOWN
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
@@ -57,6 +57,7 @@ def look_again(
     progress: Progress,
     concerns: Callable[[Proposal, Model], bool] | None = None,
     quick: bool = False,
+    begun: Round | None = None,
 ) -> Round:
     """Every hypothesis that has not been found already, at the places of the given model, against what is left.
 
@@ -64,14 +65,20 @@ def look_again(
 
     Arguments:
         concerns: which proposals, built on the current model, are to be looked at; None: all.
-        quick: whether the leading claims are left as they were found first.
+        quick: whether to stop at what is found from the current numbers.
+        begun: the look that did.
     """
     known = {rival.identity for rival in found}
     everything = [p for p in propose_all(workshop.hypotheses, current) if concerns is None or concerns(p, current.model)]
     proposals = [p for p in everything if identity(p) not in known and _is_given(given.model, p.location)]
     equipped = workshop.equipped([p.model for p in proposals])
-    afresh = not found or concerns is not None
-    ranked, limits = fit_rivals(equipped, current, current.with_values_of(given), proposals, afresh, quick, progress)
+    if begun is None:
+        ranked, limits = nearest_rivals(equipped, current, proposals, progress)
+    else:
+        ranked, limits = list(begun.rivals), list(begun.limits)
+    if not quick:
+        afresh = not found or concerns is not None
+        ranked = further_rivals(equipped, current, current.with_values_of(given), proposals, ranked, afresh, progress)
     best = best_forms(ranked)
     chances, nothing = probabilities(best, len({identity(p) for p in proposals}))
     return Round(tuple(best), tuple(chances.tolist()), nothing, current, _least_drop(found), tuple(limits))

@@ -70,55 +70,75 @@ def propose_all(hypotheses: Mapping[str, type[Hypothesis]], base: Misfit) -> lis
     return [p for kind in hypotheses.values() for p in kind().propose(base.model, motions, recordings)]
 
 
-def fit_rivals(
+def nearest_rivals(
+    workshop: Workshop, base: Misfit, proposals: Sequence[Proposal], progress: Progress
+) -> tuple[list[Rival], list[Limit]]:
+    """The fits from the best numbers of the model without the claims, the most evident first, and the smallest effects seen.
+
+    Arguments:
+        base: the misfit of that model, at its best fit.
+        proposals: all of them built on that model.
+        progress: told what is being done and how far it is (0 to 1).
+    """
+    residual = base.residual(base.start())
+    normalised, strained = standing(base)
+    plain = [proposal for proposal in proposals if not proposal.refined]
+    scored = scores(workshop, base, plain, float(residual @ residual), progress)
+    chosen = promising(scored, 1, NOISE_PROMISE if normalised < FLOOR and not strained else LEAST_PROMISE)
+    fitted = heats(scouted(workshop, base, chosen, (1.0,), HEATS[0][0], _astray(workshop, base)), HEATS, progress)
+    return ranked_by_evidence(fitted, base.deviance(residual)), _limits(scored)
+
+
+def further_rivals(
     workshop: Workshop,
     base: Misfit,
     given: Misfit,
     proposals: Sequence[Proposal],
+    nearest: Sequence[Rival],
     afresh: bool,
-    quick: bool,
     progress: Progress,
-) -> tuple[list[Rival], list[Limit]]:
-    """The fitted hypotheses, the most evident first, and of each claim the smallest effect that would have been seen.
+) -> list[Rival]:
+    """The nearest rivals, and what is fitted from elsewhere where they leave something; the most evident first.
 
     Arguments:
-        base: the misfit of the model without them, at its best fit.
-        given: the same at the values that the user gave.
-        proposals: all of them built on that model.
-        afresh: whether they are also fitted from the given values, where the base may hide physics.
-        quick: whether the leading claims are left as they were found first.
-        progress: told what is being done and how far it is (0 to 1).
+        base, proposals, progress: as for `nearest_rivals`.
+        given: the misfit of the same model at the values that the user gave.
+        nearest: what that found.
+        afresh: whether to look from the given values, where the base may hide physics.
     """
-    residual = base.residual(base.start())
-    reference, deviance = float(residual @ residual), base.deviance(residual)
-    normalised = float(np.sqrt(reference / base.independent_samples))
-    strained = base.departure(base.start()) > STRAINED
-    astray = begin(workshop.identifier, base.coarse).state.cost
-    plain = [proposal for proposal in proposals if not proposal.refined]
-    scored = scores(workshop, base, plain, reference, progress)
-    chosen = promising(scored, 1, NOISE_PROMISE if normalised < FLOOR and not strained else LEAST_PROMISE)
-    fitted = heats(scouted(workshop, base, chosen, (1.0,), HEATS[0][0], astray), HEATS, progress)
-    if afresh and (strained or normalised > CONCEALED) and not _explained(fitted):
-        fitted += _from_given(workshop, given, plain, ranked_by_evidence(fitted, deviance), astray, progress)
+    deviance, astray = base.deviance(base.residual(base.start())), _astray(workshop, base)
+    fitted = [(rival.proposal, rival.search) for rival in nearest]
+    if afresh and may_conceal(base) and not _explained(fitted):
+        plain = [proposal for proposal in proposals if not proposal.refined]
+        fitted += _from_given(workshop, given, plain, astray, progress)
     ranked = ranked_by_evidence(fitted, deviance)
-    if ranked and not quick:
+    if ranked:
         fitted += _polished(workshop, given, ranked, proposals, astray, progress)
-    return ranked_by_evidence(fitted, deviance), _limits(scored)
+    return ranked_by_evidence(fitted, deviance)
+
+
+def standing(base: Misfit) -> tuple[float, bool]:
+    """The normalised residual of a model, and whether its numbers are strained."""
+    residual = base.residual(base.start())
+    return float(np.sqrt(residual @ residual / base.independent_samples)), base.departure(base.start()) > STRAINED
+
+
+def may_conceal(base: Misfit) -> bool:
+    """Whether a fitted model may hide physics in wrong values of its own."""
+    normalised, strained = standing(base)
+    return strained or normalised > CONCEALED
+
+
+def _astray(workshop: Workshop, base: Misfit) -> float:
+    """What the model without any claim leaves at few instants."""
+    return float(begin(workshop.identifier, base.coarse).state.cost)
 
 
 def _from_given(
-    workshop: Workshop,
-    given: Misfit,
-    proposals: Sequence[Proposal],
-    ranked: Sequence[Rival],
-    astray: float,
-    progress: Progress,
+    workshop: Workshop, given: Misfit, proposals: Sequence[Proposal], astray: float, progress: Progress
 ) -> list[Entrant]:
-    """Claims from the values that the user gave: one way after the other, until a claim explains everything."""
-    found = _leader_again(workshop, given, ranked, progress)
-    if _explained(found):
-        return found
-    found += regressed(workshop, given, proposals, progress)
+    """Claims from the values that the user gave: along the measured motion, and where none explains everything, simulated."""
+    found = regressed(workshop, given, proposals, progress)
     if any(_reaches_noise(proposal, search) for proposal, search in found):
         return found
     rough = promising(scores(workshop, given.coarse, proposals, np.inf, progress), STARTS, LEAST_PROMISE)
@@ -133,12 +153,6 @@ def _reaches_noise(proposal: Proposal, search: Search) -> bool:
     """Whether known physics does, with believable numbers; of what has equations of motion, all had the same chance."""
     departure = search.misfit.departure(search.point)
     return proposal.physics != UNKNOWN and search.normalised <= FLOOR and departure < STRAINED
-
-
-def _leader_again(workshop: Workshop, given: Misfit, ranked: Sequence[Rival], progress: Progress) -> list[Entrant]:
-    """The best known claim once more: it may be all there is."""
-    known = [rival for rival in ranked if rival.proposal.physics != UNKNOWN]
-    return [(rival.proposal, again(workshop, given, rival, progress)) for rival in known[:1]]
 
 
 def again(workshop: Workshop, given: Misfit, rival: Rival, progress: Progress) -> Search:

@@ -12,7 +12,11 @@ from crashkit.misfit import Misfit
 from crashkit.protocols import Identifier, Proposal, Status
 
 ROUNDS = ((None, 4), (2, 25))
-"""How many of the starts of a claim enter each round of a regression, and how many steps each gets there."""
+"""How many of the starts enter each round of a regression, and how many steps each gets there."""
+OPENING = ((None, 4), (2, 6))
+"""The same for each of many claims at first."""
+CLAIMS = 48
+"""How many of these go on."""
 HEATS = ((16, 10), (5, 60))
 """How many of the forms that leave least of the equations are then simulated, and how many steps each gets."""
 
@@ -31,24 +35,34 @@ def regressed(workshop: Workshop, given: Misfit, proposals: Sequence[Proposal], 
         return []
     told = [proposal for proposal in proposals if not workshop.hypotheses[proposal.physics].sensor]
 
-    def end(proposal: Proposal) -> End | None:
+    def opened(proposal: Proposal) -> End | None:
         origin = workshop.misfit(given, proposal.model).with_values_of(given)
-        return regression(workshop, [origin.with_values({**proposal.null, **start}) for start in proposal.starts])
+        starts = [origin.with_values({**proposal.null, **start}) for start in proposal.starts]
+        return regression(workshop, starts, OPENING)
+
+    def ended(claim: tuple[Proposal, End]) -> End | None:
+        proposal, (values, _) = claim
+        return regression(workshop, [workshop.misfit(given, proposal.model).with_values(values)])
 
     progress(f"regressing the equations of motion for {len(told)} claims", 0.0)
-    ends = zip(told, spread(end, told), strict=True)
-    ranked = sorted(((proposal, one) for proposal, one in ends if one is not None), key=lambda entrant: entrant[1][1])
-    ahead = first_of_each(ranked, 1)[: HEATS[0][0]]
+    ahead = _ranked(told, spread(opened, told))[:CLAIMS]
+    ahead = _ranked([proposal for proposal, _ in ahead], spread(ended, ahead))[: HEATS[0][0]]
     misfits = [workshop.misfit(given, proposal.model).with_values(values) for proposal, (values, _) in ahead]
     searches = begin_all(workshop.identifier, misfits)
     return heats(list(zip((proposal for proposal, _ in ahead), searches, strict=True)), HEATS, progress)
 
 
-def regression(workshop: Workshop, misfits: Sequence[Misfit]) -> End | None:
+def _ranked(proposals: Sequence[Proposal], ends: Sequence[End | None]) -> list[tuple[Proposal, End]]:
+    """Each form of each claim at its best, those ahead that leave least of the equations."""
+    ended = [(proposal, end) for proposal, end in zip(proposals, ends, strict=True) if end is not None]
+    return first_of_each(sorted(ended, key=lambda claim: claim[1][1]), 1)
+
+
+def regression(workshop: Workshop, misfits: Sequence[Misfit], rounds: Sequence[tuple[int | None, int]] = ROUNDS) -> End | None:
     """Where the best regression from the values of these misfits ends; None where there are no such equations."""
     try:
         searches = [(misfit, workshop.starter.start(misfit)) for misfit in misfits]
-        for size, steps in ROUNDS:
+        for size, steps in rounds:
             ahead = sorted(searches, key=lambda search: search[1].cost)[:size]
             searches = [(misfit, _advanced(workshop.starter, misfit, state, steps)) for misfit, state in ahead]
     except CrashkitError:

@@ -14,6 +14,8 @@ from crashkit.protocols import Identifier, Status
 
 FINDING = 400
 """Steps of the search that looks everywhere."""
+EARLIEST, SLICES, STEPS_EACH = 0.1, 46, 12
+"""Share of the time recorded that is looked at first, in how many slices all of it is, and the steps in each."""
 SCATTER = 0.07
 """Relative scatter of the starts about the given values."""
 HEATS = ((10, 6), (4, 10), (2, STEPS))
@@ -25,11 +27,16 @@ REFINING = ((12, 8), (4, STEPS))
 def reidentify(workshop: Workshop, misfit: Misfit) -> Search:
     """The best fit of the model as it is; what then remains, no tuning of its parameters removes.
 
-    A wrong model has many local optima where thresholds are crossed, so three searches look everywhere: the workshop's finder,
-    one from many starts, and one from where the equations of motion lead.
+    A model has many local optima where thresholds are crossed, so four searches look everywhere: the workshop's finder, one
+    from many starts, and from where the equations of motion lead one at once and one that takes in the events as they come.
     """
     identifier = workshop.identifier
-    looks = [partial(_found, workshop.finder), partial(_best_of_many, identifier), partial(_regressed, workshop)]
+    looks = [
+        partial(_found, workshop.finder),
+        partial(_best_of_many, identifier),
+        partial(_grown, workshop),
+        partial(_regressed, workshop),
+    ]
     ends = spread(lambda look: look(misfit), looks)
     searches = [begin(identifier, misfit.with_values(misfit.values(end))).advance(STEPS) for end in ends]
     return weighed([min(searches, key=lambda search: search.state.cost)])[0]
@@ -48,6 +55,16 @@ def _regressed(workshop: Workshop, misfit: Misfit) -> np.ndarray:
     """Where the regression ends, or the misfit's own values where there is none."""
     end = regression(workshop, [misfit])
     return misfit.start() if end is None else misfit.start_at(end[0])
+
+
+def _grown(workshop: Workshop, misfit: Misfit) -> np.ndarray:
+    """Where a search ends that sees a little more of the time recorded every few steps, so that no event is jumped over."""
+    values = misfit.values(_regressed(workshop, misfit))
+    slices = [misfit.coarse.up_to(share) for share in np.linspace(EARLIEST, 1.0, SLICES).tolist()]
+    for early in (one for one in slices if one.groups):
+        search = begin(workshop.identifier, early.with_values(values)).advance(STEPS_EACH)
+        values = early.values(search.point)
+    return misfit.start_at(values)
 
 
 def refine(identifier: Identifier[Any], misfit: Misfit) -> Search:

@@ -4,16 +4,15 @@ from collections.abc import Sequence
 
 from attrs import field, frozen
 
-from crashkit.diagnose.aside import Suspect, suspects, without
 from crashkit.diagnose.beginnings import begun_otherwise
 from crashkit.diagnose.contest import Progress
-from crashkit.diagnose.evidence import FLOOR, UNEXPLAINED, Rival
+from crashkit.diagnose.evidence import FLOOR, UNEXPLAINED, Rival, explains
 from crashkit.diagnose.exchange import exchanged
 from crashkit.diagnose.forms import in_best_forms
-from crashkit.diagnose.look import Round, is_unknown, look_again, settled
+from crashkit.diagnose.look import Round, between, is_unknown, look_again, settled
+from crashkit.diagnose.name import CONCEALED, may_conceal
 from crashkit.diagnose.pairs import named_before_unknown
 from crashkit.diagnose.rebuild import rebuild, without_winner
-from crashkit.diagnose.reidentify import reidentify
 from crashkit.diagnose.result import place_of
 from crashkit.diagnose.search import Search
 from crashkit.diagnose.workshop import Workshop
@@ -22,6 +21,8 @@ from crashkit.misfit import Misfit
 MOST_FINDINGS = 3
 NEEDED = 100.0
 """Chi squared that the loss of a finding must cost for it to be plainly needed."""
+HALF = 0.5
+"""Of what the model leaves above the noise: a claim that leaves more is not all there is, in whatever form."""
 TIE = 10.0
 """Chi squared by which two explanations may differ and still count as equally good."""
 
@@ -45,44 +46,51 @@ class Discovery:
     last: Round | None = None
 
 
-def discover(workshop: Workshop, given: Misfit, base_search: Search, progress: Progress) -> Discovery:
+def discovered(workshop: Workshop, given: Misfit, base_search: Search, progress: Progress) -> Discovery:
     """All findings that the evidence supports, each in the light of the others.
+
+    From the re-identified numbers first: where one cause in its best form explains everything from there, no wider search is
+    made.
 
     Arguments:
         given: the misfit of the model at the values that the user gave.
         base_search: its best fit.
     """
-    set_aside = suspects(given)
-    found = _beside(workshop, given, base_search, set_aside, progress) if set_aside else None
-    return found or _discovered(workshop, given, base_search, progress)
+    near = look_again(workshop, given, base_search.fitted(), [], progress, quick=True)
+    if may_conceal(base_search.fitted()):
+        near, found = _nearby(workshop, given, base_search, near, progress)
+        if found is not None:
+            return found
+    return _widely(workshop, given, base_search, near, progress)
 
 
-def _beside(
-    workshop: Workshop, given: Misfit, base_search: Search, set_aside: tuple[Suspect, ...], progress: Progress
-) -> Discovery | None:
-    """What the instruments that agree say of the structure, and then what is wrong with the others; None if nothing is."""
-    rest = workshop.first_misfit(given.model, without(given.recordings, set_aside)).with_prior(given.prior.std)
-    if not rest.groups:
-        return None
-    structure = _discovered(workshop, rest, reidentify(workshop, rest), progress)
-    rounds = list(structure.rounds)
-    search = rebuild(workshop, base_search, [look.rivals[0] for look in rounds], structure.search)
-    if search is None:
-        return None
-    unbent = given.with_values_of(structure.search.fitted())
-    for suspect in set_aside:
-        found = [look.rivals[0] for look in rounds]
-        look = look_again(workshop, unbent, search.fitted(), found, progress, suspect.concerns)
-        if look.winner is None:
-            return None
-        rounds.append(settled(workshop, unbent, look, look.winner, progress))
-        search = rounds[-1].rivals[0].search
-    return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds))
+def _nearby(
+    workshop: Workshop, given: Misfit, base_search: Search, near: Round, progress: Progress
+) -> tuple[Round, Discovery | None]:
+    """The look with its best known claim at its best, and what that leads to if it is all there is."""
+    known = [rival for rival in near.rivals if not is_unknown(rival)]
+    if not known:
+        return near, None
+    first = settled(workshop, given, between(near, known), known[0], progress)
+    if _above_noise(first.rivals[0].search) > HALF * _above_noise(base_search):
+        return near, None
+    (first,), search = in_best_forms(workshop, base_search, [first], first.rivals[0].search, progress)
+    near = between(near, sorted([*first.rivals, *filter(is_unknown, near.rivals)], key=lambda rival: -rival.evidence))
+    if first.winner is None or search.normalised > CONCEALED:
+        return near, None
+    look = look_again(workshop, given, search.fitted(), [first.winner], progress)
+    found, _ = _followed(workshop, given, base_search, [first], look, progress)
+    return near, found if len(found.rounds) == 1 and explains(found.search) else None
 
 
-def _discovered(workshop: Workshop, given: Misfit, base_search: Search, progress: Progress) -> Discovery:
+def _above_noise(search: Search) -> float:
+    """Of the mean square residual, in units of noise."""
+    return search.normalised**2 - 1.0
+
+
+def _widely(workshop: Workshop, given: Misfit, base_search: Search, near: Round, progress: Progress) -> Discovery:
     """Round after round, with everything in sight; begun otherwise where that leaves something."""
-    base_search, first = _first_look(workshop, given, base_search, progress)
+    base_search, first = _first_look(workshop, given, base_search, near, progress)
     rounds, look = named_before_unknown(workshop, given, base_search, first, progress)
     found, last = _followed(workshop, given, base_search, rounds, look, progress)
     if not found.rounds or _is_estimated(found.rounds) or found.search.normalised < UNEXPLAINED:
@@ -108,15 +116,17 @@ def _followed(
         look = look_again(workshop, given, search.fitted(), [r.rivals[0] for r in rounds], progress)
     if len(rounds) > 1:
         rounds, search = exchanged(workshop, base_search, rounds, search, look) or (rounds, search)
-        rounds, search = _reconsider(workshop, given, base_search, rounds, search, progress)
+        rounds, search = reconsidered(workshop, given, base_search, rounds, search, progress)
         rounds, search = in_best_forms(workshop, base_search, rounds, search, progress)
     last = look if look.winner is None else None
     return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds), last), look
 
 
-def _first_look(workshop: Workshop, given: Misfit, base_search: Search, progress: Progress) -> tuple[Search, Round]:
+def _first_look(
+    workshop: Workshop, given: Misfit, base_search: Search, near: Round, progress: Progress
+) -> tuple[Search, Round]:
     """The first round, and the best fit of the model as it is, which the winner may show to have been a local optimum."""
-    look = look_again(workshop, given, base_search.fitted(), [], progress)
+    look = look_again(workshop, given, base_search.fitted(), [], progress, begun=near)
     if look.winner is None:
         return base_search, look
     better = without_winner(base_search, look.winner)
@@ -138,7 +148,7 @@ def _is_estimated(rounds: Sequence[Round]) -> bool:
     return bool(rounds) and is_unknown(rounds[-1].rivals[0])
 
 
-def _reconsider(
+def reconsidered(
     workshop: Workshop, given: Misfit, base_search: Search, rounds: list[Round], search: Search, progress: Progress
 ) -> tuple[list[Round], Search]:
     """Takes each finding away in turn, and lets all hypotheses compete again for its place beside the others.

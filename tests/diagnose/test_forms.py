@@ -5,8 +5,8 @@ import pytest
 from crashkit.diagnose.evidence import Rival
 from crashkit.diagnose.forms import in_best_forms
 from crashkit.diagnose.look import Round
-from crashkit.diagnose.name import fit_rivals
-from crashkit.diagnose.rounds import _reconsider
+from crashkit.diagnose.name import further_rivals, nearest_rivals
+from crashkit.diagnose.rounds import reconsidered
 from crashkit.diagnose.search import begin
 from crashkit.model import Parameter
 from crashkit.model.edit import with_factor
@@ -81,7 +81,9 @@ def test_a_fine_form_waits_until_a_plain_one_leaves_something(workshop, base, pr
     for factor, numbers, is_tried in (("rate_power", POWER, False), ("rate_eyring", BOTH_WAYS, True)):
         without = base(factor, numbers)
         fitted = without.fitted()
-        ranked, _ = fit_rivals(workshop, fitted, fitted, proposed(without, "rate_dependence"), True, False, silent)
+        proposals = proposed(without, "rate_dependence")
+        nearest, _ = nearest_rivals(workshop, fitted, proposals, silent)
+        ranked = further_rivals(workshop, fitted, fitted, proposals, nearest, True, silent)
         plain = [rival for rival in ranked if not rival.proposal.refined]
         assert (min(rival.search.normalised for rival in plain) > 1.05) is is_tried
         assert any(rival.proposal.form == "both ways" for rival in ranked) is is_tried
@@ -93,6 +95,6 @@ def test_what_made_up_for_a_poor_form_is_dropped(workshop, base, finding):
     second = finding(first.rivals[0].search, "fracture", "compression")
     given, both = without.misfit, second.rivals[0].search
     assert both.deviance < first.rivals[0].search.deviance - 20.0
-    (kept,), search = _reconsider(workshop, given, without, [first, second], both, silent)
+    (kept,), search = reconsidered(workshop, given, without, [first, second], both, silent)
     assert kept.rivals[0].proposal.form == "both ways"
     assert search.normalised == pytest.approx(1.0, abs=0.03)

@@ -13,7 +13,7 @@ from crashkit.diagnose.left_out import left_out_drop
 from crashkit.diagnose.look import LEAST_DROP, Round, _is_given, _least_drop, settled
 from crashkit.diagnose.needed import needed, price
 from crashkit.diagnose.reidentify import reidentify
-from crashkit.diagnose.rounds import _corrects, _reconsider
+from crashkit.diagnose.rounds import _corrects, reconsidered
 from crashkit.diagnose.search import begin
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_body, with_joint
@@ -106,7 +106,7 @@ def test_a_finding_that_is_questioned_stays_unless_it_explains_too_little(monkey
     monkeypatch.setattr(questioned, "in_best_forms", lambda workshop, base, looks, search, progress: (looks, search))
     monkeypatch.setattr(questioned, "look_again", lambda *_: nothing)
     together = SimpleNamespace(deviance=1000.0, normalised=1.4)
-    kept, _ = _reconsider(None, None, None, [one("fracture"), one("bias")], together, None)
+    kept, _ = reconsidered(None, None, None, [one("fracture"), one("bias")], together, None)
     assert [look.rivals[0].proposal.physics for look in kept] == left
 
 

@@ -68,9 +68,9 @@ class MountingResonance(Hypothesis):
 
 
 class Misalignment(Hypothesis):
-    """recorded = R(tilt) e . true, or (e + transverse) . true, for a channel along e; on a line, cos(lean) true + g sin(lean) + b.
+    """recorded = R(tilt) e . true, or (e + transverse) . true, for a channel along e.
 
-    The offset b is 0 where gravity was not balanced out before the shock. Where all of it was, this is a gain below 1, as
+    On a line, recorded = cos(lean) true + g sin(lean) + b. The offset b is 0 where gravity was not balanced out before the shock. Where all of it was, this is a gain below 1, as
     `GainError` says.
     """
 
@@ -79,7 +79,7 @@ class Misalignment(Hypothesis):
     sensor: ClassVar[bool] = True
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Every sensor with several axes: tilted, and with transverse sensitivity; on a line those that lean towards gravity."""
+        """Every sensor with several axes: tilted, and with transverse sensitivity; on a line, those that can lean."""
         if len(model.axes) == 1:
             return [self._leaning(model, one) for one in accused(model, recordings, ["lean", "bias"])]
         tilts = [f"tilt_{axis}" for axis in _turning_axes(model)]

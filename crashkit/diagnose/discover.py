@@ -1,0 +1,86 @@
+"""Which instruments are believed while the structure is questioned: those that kinematics contradicts come first or last."""
+
+from collections.abc import Mapping
+
+from crashkit.diagnose.aside import CLOCK, Suspect, late_clocks, on_time, suspects, without
+from crashkit.diagnose.contest import Progress
+from crashkit.diagnose.evidence import probabilities, ranked_by_evidence
+from crashkit.diagnose.look import Round, look_again, settled
+from crashkit.diagnose.name import propose_all
+from crashkit.diagnose.rebuild import rebuild
+from crashkit.diagnose.reidentify import reidentify
+from crashkit.diagnose.rounds import Discovery, discovered, reconsidered
+from crashkit.diagnose.search import STEPS, Search, begin
+from crashkit.diagnose.workshop import Workshop
+from crashkit.misfit import Misfit
+
+
+def discover(workshop: Workshop, given: Misfit, base_search: Search, progress: Progress) -> Discovery:
+    """All findings that the evidence supports, each in the light of the others.
+
+    Arguments:
+        given: the misfit of the model at the values that the user gave.
+        base_search: its best fit.
+    """
+    set_aside, late = suspects(given), late_clocks(given)
+    found = None
+    if set_aside:
+        found = _beside(workshop, given, base_search, set_aside, progress)
+    elif late:
+        found = _with_clock(workshop, given, base_search, late, progress)
+    return found or discovered(workshop, given, base_search, progress)
+
+
+def _beside(
+    workshop: Workshop, given: Misfit, base_search: Search, set_aside: tuple[Suspect, ...], progress: Progress
+) -> Discovery | None:
+    """What the instruments that agree say of the structure, and then what is wrong with the others; None if nothing is."""
+    rest = workshop.first_misfit(given.model, without(given.recordings, set_aside)).with_prior(given.prior.std)
+    if not rest.groups:
+        return None
+    structure = discovered(workshop, rest, reidentify(workshop, rest), progress)
+    rounds = list(structure.rounds)
+    search = rebuild(workshop, base_search, [look.rivals[0] for look in rounds], structure.search)
+    if search is None:
+        return None
+    unbent = given.with_values_of(structure.search.fitted())
+    for suspect in set_aside:
+        found = [look.rivals[0] for look in rounds]
+        look = look_again(workshop, unbent, search.fitted(), found, progress, suspect.concerns)
+        if look.winner is None:
+            return None
+        rounds.append(settled(workshop, unbent, look, look.winner, progress))
+        search = rounds[-1].rivals[0].search
+    return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds))
+
+
+def _with_clock(
+    workshop: Workshop, given: Misfit, base_search: Search, late: Mapping[str, float], progress: Progress
+) -> Discovery | None:
+    """A clock that is wrong, and then what all instruments say of the structure once that is right; None if none is."""
+    clock = _clock(workshop, given, base_search, late)
+    if clock.winner is None:
+        return None
+    search = clock.winner.search
+    structure = discovered(workshop, search.fitted().with_values_of(given), search, progress)
+    rounds, search = [clock, *structure.rounds], structure.search
+    if structure.rounds:
+        rounds, search = reconsidered(workshop, given, base_search, rounds, search, progress)
+    return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds), structure.last)
+
+
+def _clock(workshop: Workshop, given: Misfit, base_search: Search, late: Mapping[str, float]) -> Round:
+    """Which of these clocks is wrong: the model is re-identified with the stamps of one or the other put right."""
+    current = base_search.fitted()
+    claims = [p for p in propose_all(workshop.hypotheses, current) if p.physics == CLOCK and p.location["instrument"] in late]
+    fitted = []
+    for claim in claims:
+        instrument, (path,) = str(claim.location["instrument"]), claim.parameters
+        right = workshop.first_misfit(given.model, on_time(given.recordings, instrument, late[instrument]))
+        search = reidentify(workshop, right.with_prior(given.prior.std))
+        values = {**search.misfit.values(search.point), path: late[instrument]}
+        misfit = workshop.misfit(given, claim.model).with_values(values)
+        fitted.append((claim, begin(workshop.identifier, misfit).advance(STEPS)))
+    rivals = ranked_by_evidence(fitted, base_search.deviance)
+    chances, nothing = probabilities(rivals, len(rivals))
+    return Round(tuple(rivals), tuple(chances.tolist()), nothing, current)
