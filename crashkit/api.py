@@ -1,5 +1,6 @@
 """What the command line does, as functions on files; each returns what is to be printed, or the result."""
 
+import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -85,11 +86,22 @@ def _load(
     return given, dict(pairs[: len(runs)]), dict(pairs[len(runs) :])
 
 
-def diagnose_files(model: Path, runs: Sequence[Path], holdout: Sequence[Path], output: Path, progress: Show) -> Diagnosis:
-    """Diagnose a model against recordings; writes diagnosis.json, augmented_model.toml and index.html."""
+def diagnose_files(
+    model: Path,
+    runs: Sequence[Path],
+    holdout: Sequence[Path],
+    output: Path,
+    progress: Show,
+    seconds: float = math.inf,
+) -> Diagnosis:
+    """Diagnose a model against recordings; writes diagnosis.json, augmented_model.toml and index.html.
+
+    Arguments:
+        seconds: after which no further cause is asked for.
+    """
     given, recordings, unseen = _load(model, runs, holdout)
     _make_folder(output)
-    result = diagnose(given, recordings, unseen, workshop(), _told(progress))
+    result = diagnose(given, recordings, unseen, workshop(), _told(progress), seconds)
     write_model(result.augmented_model, output / "augmented_model.toml", load().spring_laws)
     write_report(result, output)
     write_json(result, output / "diagnosis.json")

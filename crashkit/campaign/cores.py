@@ -41,7 +41,7 @@ def spread(
 
     Arguments:
         function: its results can be pickled.
-        told: how many have been taken so far, before each that this process takes.
+        told: how many have been taken so far, before each that this process takes; where it raises, nothing more is taken.
     """
     copies = 0 if _alone or sys.platform != "linux" else min(len(os.sched_getaffinity(0)), len(items)) - 1
     if copies < 1:
@@ -67,7 +67,11 @@ def _shared(
             context.Process(target=_copy, args=(function, items, taken, there, (*ends, here)), daemon=True).start()
         there.close()
         ends.append(here)
-    results = _take(function, items, taken, told)
+    try:
+        results = _take(function, items, taken, told)
+    except BaseException:
+        taken.value = len(items)
+        raise
     for end in ends:
         try:
             results |= end.recv()

@@ -1,10 +1,13 @@
 """Where a model and its recordings differ, and what physics the model left out."""
 
-from argparse import ArgumentParser, Namespace
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from pathlib import Path
 from typing import Any
 
 from crashkit.cli import progress
+
+TIME_LIMIT = 180.0
+"""s for questions. Most diagnoses need a quarter of that; what takes longer is seldom settled by asking on."""
 
 
 def register(commands: Any) -> None:
@@ -22,6 +25,13 @@ def register(commands: Any) -> None:
         help="recordings that are predicted, not fitted, unless only more physics explains them",
     )
     parser.add_argument("--output", metavar="DIR", type=Path, required=True, help="folder for the report, made if need be")
+    parser.add_argument(
+        "--time-limit",
+        metavar="S",
+        type=_seconds,
+        default=TIME_LIMIT,
+        help="s after which no further cause is asked for, and what was found is told (%(default)s); inf: ask everything",
+    )
     parser.set_defaults(run=run)
 
 
@@ -30,6 +40,21 @@ def run(arguments: Namespace) -> None:
     from crashkit import api
 
     diagnosis = api.diagnose_files(
-        arguments.model, arguments.runs, arguments.holdout, arguments.output, progress=progress.show
+        arguments.model,
+        arguments.runs,
+        arguments.holdout,
+        arguments.output,
+        progress=progress.show,
+        seconds=arguments.time_limit,
     )
     print(diagnosis.summary)
+
+
+def _seconds(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = 0.0
+    if not seconds > 0.0:
+        raise ArgumentTypeError(f"expected seconds above 0, found {text!r}")
+    return seconds

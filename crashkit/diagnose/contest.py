@@ -58,7 +58,13 @@ def promising(scored: Sequence[tuple[Proposal, Score]], most: int, least: float)
 
 
 def scouted(
-    workshop: Workshop, origin: Misfit, starts: Sequence[Start], shares: Sequence[float], most: int, astray: float
+    workshop: Workshop,
+    origin: Misfit,
+    starts: Sequence[Start],
+    shares: Sequence[float],
+    most: int,
+    astray: float,
+    progress: Progress,
 ) -> list[Entrant]:
     """Searches from where quick ones at few instants end, of which the best go on.
 
@@ -79,7 +85,8 @@ def scouted(
             return end
         return min(end, _scout(workshop, proposal, values, slices[-1:] * 2), key=lambda one: one[1])
 
-    found = zip(starts, spread(ahead_of, starts), strict=True)
+    told = partial(_told, progress, [proposal for proposal, _ in starts])
+    found = zip(starts, spread(ahead_of, starts, told), strict=True)
     ahead = sorted(((proposal, *end) for (proposal, _), end in found), key=lambda one: one[2])[:most]
     misfits = [workshop.misfit(origin, proposal.model).with_values(values) for proposal, values, _ in ahead]
     return list(zip((proposal for proposal, *_ in ahead), begin_all(workshop.identifier, misfits), strict=True))

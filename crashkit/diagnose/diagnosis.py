@@ -1,5 +1,6 @@
 """The diagnosis: re-identify, compare, locate, name, model, show."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -15,6 +16,7 @@ from crashkit.diagnose.experiment import experiment
 from crashkit.diagnose.finding import estimates, make_finding, stand_ins
 from crashkit.diagnose.fits import curves_of, fit_of, predict
 from crashkit.diagnose.foretold import foretold
+from crashkit.diagnose.in_time import TimeLimit, in_time
 from crashkit.diagnose.look import Round
 from crashkit.diagnose.needed import needed, price, run_drops
 from crashkit.diagnose.reidentify import refine, reidentify
@@ -23,7 +25,7 @@ from crashkit.diagnose.rounds import Discovery
 from crashkit.diagnose.search import STEPS, Search, begin
 from crashkit.diagnose.show import action_of, identified_table, limits_table, missing_force_tree, ranking_table, units_of
 from crashkit.diagnose.thinning import thinned_by
-from crashkit.diagnose.words import noted, nothing_predicted, summarise
+from crashkit.diagnose.words import cut_short, noted, nothing_predicted, summarise
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit, Noise, fine_step
 from crashkit.model import Body, Model
@@ -47,6 +49,7 @@ def diagnose(
     holdout: Mapping[str, xr.DataTree],
     workshop: Workshop,
     progress: Progress = lambda doing, share: None,
+    seconds: float = math.inf,
 ) -> Diagnosis:
     """Whether simulation and recordings differ, where, what physics was left out, and what modelling it gains.
 
@@ -57,19 +60,24 @@ def diagnose(
             evidence of more, and are fitted like the others, which a note then says.
         workshop: the plugins to work with.
         progress: told what is being done and how far it is.
+        seconds: after which no further question is asked; what was found by then is told, and that there was more to ask.
     """
+    limit = TimeLimit(seconds, progress)
     rehearsed = workshop.rehearsed(model, [*recordings.values(), *holdout.values()])
-    equipped, discovery = _explained(rehearsed, model, recordings, progress)
-    if holdout and _contradicted(equipped, discovery, model, recordings, holdout):
-        return nothing_predicted(_told(*_explained(rehearsed, model, {**recordings, **holdout}, progress), {}), tuple(holdout))
-    return _told(equipped, discovery, holdout)
+    equipped, discovery = _explained(rehearsed, model, recordings, limit)
+    if not limit.is_over and holdout and _contradicted(equipped, discovery, model, recordings, holdout):
+        again, together = _explained(rehearsed, model, {**recordings, **holdout}, limit)
+        if not limit.is_over:
+            return nothing_predicted(_told(again, together, {}), tuple(holdout))
+    told = _told(equipped, discovery, holdout)
+    return cut_short(told, seconds) if limit.is_over else told
 
 
 def _explained(
-    equipped: Workshop, model: Model, recordings: Mapping[str, xr.DataTree], progress: Progress
+    equipped: Workshop, model: Model, recordings: Mapping[str, xr.DataTree], progress: TimeLimit
 ) -> tuple[Workshop, Discovery]:
     """What these recordings say that the model leaves out, and the workshop with the steps that they need."""
-    progress("re-identifying the model", 0.0)
+    progress.show("re-identifying the model", 0.0)
     given = equipped.first_misfit(model, thinned_by(equipped, recordings, model)).with_prior(ROUGHLY)
     # The first simulation compiles the engine, before copies of this process would each do so.
     equipped = evolve(equipped, step=fine_step(given))
@@ -78,8 +86,9 @@ def _explained(
     # Numbers far from what the user gave make up for physics: what they ask of the rate, the structure does not.
     if base.misfit.departure(base.point) <= STRAINED:
         base = _sharpened(equipped, model, recordings, base)
-    discovery = discover(equipped, base.misfit.with_values_of(given), base, progress)
-    progress("refining", 0.0)
+    nothing = Discovery(base.fitted(), base.fitted(), base)
+    discovery = in_time(nothing, discover, equipped, base.misfit.with_values_of(given), base, progress)
+    progress.show("refining", 0.0)
     return equipped, _refined(equipped, discovery, model, recordings)
 
 

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from crashkit.diagnose.aside import CLOCK, Suspect, late_clocks, on_time, suspects, without
 from crashkit.diagnose.contest import Progress
 from crashkit.diagnose.evidence import probabilities, ranked_by_evidence
+from crashkit.diagnose.in_time import in_time
 from crashkit.diagnose.look import Round, look_again, settled
 from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.rebuild import rebuild
@@ -46,10 +47,12 @@ def _beside(
     unbent = given.with_values_of(structure.search.fitted())
     for suspect in set_aside:
         found = [look.rivals[0] for look in rounds]
-        look = look_again(workshop, unbent, search.fitted(), found, progress, suspect.concerns)
+        look = in_time(None, look_again, workshop, unbent, search.fitted(), found, progress, suspect.concerns)
+        if look is None:
+            break
         if look.winner is None:
             return None
-        rounds.append(settled(workshop, unbent, look, look.winner, progress))
+        rounds.append(in_time(look, settled, workshop, unbent, look, look.winner, progress))
         search = rounds[-1].rivals[0].search
     return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds))
 
@@ -65,7 +68,7 @@ def _with_clock(
     structure = discovered(workshop, search.fitted().with_values_of(given), search, progress)
     rounds, search = [clock, *structure.rounds], structure.search
     if structure.rounds:
-        rounds, search = reconsidered(workshop, given, base_search, rounds, search, progress)
+        rounds, search = in_time((rounds, search), reconsidered, workshop, given, base_search, rounds, search, progress)
     return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds), structure.last)
 
 

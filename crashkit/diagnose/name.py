@@ -85,7 +85,7 @@ def nearest_rivals(
     plain = [proposal for proposal in proposals if not proposal.refined]
     scored = scores(workshop, base, plain, float(residual @ residual), progress)
     chosen = promising(scored, 1, NOISE_PROMISE if normalised < FLOOR and not strained else LEAST_PROMISE)
-    fitted = heats(scouted(workshop, base, chosen, (1.0,), HEATS[0][0], _astray(workshop, base)), HEATS, progress)
+    fitted = heats(scouted(workshop, base, chosen, (1.0,), HEATS[0][0], _astray(workshop, base), progress), HEATS, progress)
     return ranked_by_evidence(fitted, base.deviance(residual)), _limits(scored)
 
 
@@ -142,7 +142,7 @@ def _from_given(
     if any(_reaches_noise(proposal, search) for proposal, search in found):
         return found
     rough = promising(scores(workshop, given.coarse, proposals, np.inf, progress), STARTS, LEAST_PROMISE)
-    return [*found, *heats(scouted(workshop, given, rough, GROWING, HEATS[0][0], astray), HEATS, progress)]
+    return [*found, *heats(scouted(workshop, given, rough, GROWING, HEATS[0][0], astray, progress), HEATS, progress)]
 
 
 def _explained(fitted: Iterable[Entrant]) -> bool:
@@ -208,7 +208,7 @@ def _polished(
         origins = [origin.with_values(start) for start in ([new] if new else proposal.starts[:SCATTERED])]
         misfits = [misfit for one in origins for misfit in scattered(one, SCATTERED // len(origins))]
         starts += [(proposal, misfit.values(misfit.start())) for misfit in misfits]
-    ends = heats(scouted(workshop, given, starts, GROWING, POLISHING[0][0], astray), POLISHING, progress)
+    ends = heats(scouted(workshop, given, starts, GROWING, POLISHING[0][0], astray, progress), POLISHING, progress)
     return [one for one in ends if not at_noise or one[1].deviance < winner.search.deviance]
 
 

@@ -44,8 +44,10 @@ def regressed(workshop: Workshop, given: Misfit, proposals: Sequence[Proposal], 
         proposal, (values, _) = claim
         return regression(workshop, [workshop.misfit(given, proposal.model).with_values(values)])
 
-    progress(f"regressing the equations of motion for {len(told)} claims", 0.0)
-    ahead = _ranked(told, spread(opened, told))[:CLAIMS]
+    def shown(done: int) -> None:
+        progress(f"regressing the equations of motion for {len(told)} claims", done / len(told))
+
+    ahead = _ranked(told, spread(opened, told, shown))[:CLAIMS]
     ahead = _ranked([proposal for proposal, _ in ahead], spread(ended, ahead))[: HEATS[0][0]]
     misfits = [workshop.misfit(given, proposal.model).with_values(values) for proposal, (values, _) in ahead]
     searches = begin_all(workshop.identifier, misfits)

@@ -9,6 +9,7 @@ from crashkit.diagnose.contest import Progress
 from crashkit.diagnose.evidence import FLOOR, UNEXPLAINED, Rival, explains
 from crashkit.diagnose.exchange import exchanged
 from crashkit.diagnose.forms import in_best_forms
+from crashkit.diagnose.in_time import in_time
 from crashkit.diagnose.look import Round, between, is_unknown, look_again, settled
 from crashkit.diagnose.name import CONCEALED, may_conceal
 from crashkit.diagnose.pairs import named_before_unknown
@@ -57,17 +58,25 @@ def discovered(workshop: Workshop, given: Misfit, base_search: Search, progress:
         base_search: its best fit.
     """
     near = look_again(workshop, given, base_search.fitted(), [], progress, quick=True)
+    found = None
     if may_conceal(base_search.fitted()):
-        near, found = _nearby(workshop, given, base_search, near, progress)
-        if found is not None:
-            return found
-    return _widely(workshop, given, base_search, near, progress)
+        near, found = in_time((near, None), _nearby, workshop, given, base_search, near, progress)
+    if found is not None and len(found.rounds) == 1 and explains(found.search):
+        return found
+    return in_time(found or _won(base_search, near), _widely, workshop, given, base_search, near, progress)
+
+
+def _won(base_search: Search, look: Round) -> Discovery:
+    """What a single look says."""
+    if look.winner is None:
+        return Discovery(base_search.fitted(), base_search.fitted(), base_search, (), look)
+    return Discovery(base_search.fitted(), look.winner.search.fitted(), look.winner.search, (look,))
 
 
 def _nearby(
     workshop: Workshop, given: Misfit, base_search: Search, near: Round, progress: Progress
 ) -> tuple[Round, Discovery | None]:
-    """The look with its best known claim at its best, and what that leads to if it is all there is."""
+    """The look with its best known claim at its best, and what that leads to if it may be all there is."""
     known = [rival for rival in near.rivals if not is_unknown(rival)]
     if not known:
         return near, None
@@ -80,7 +89,7 @@ def _nearby(
         return near, None
     look = look_again(workshop, given, search.fitted(), [first.winner], progress)
     found, _ = _followed(workshop, given, base_search, [first], look, progress)
-    return near, found if len(found.rounds) == 1 and explains(found.search) else None
+    return near, found
 
 
 def _above_noise(search: Search) -> float:
@@ -91,12 +100,12 @@ def _above_noise(search: Search) -> float:
 def _widely(workshop: Workshop, given: Misfit, base_search: Search, near: Round, progress: Progress) -> Discovery:
     """Round after round, with everything in sight; begun otherwise where that leaves something."""
     base_search, first = _first_look(workshop, given, base_search, near, progress)
-    rounds, look = named_before_unknown(workshop, given, base_search, first, progress)
+    rounds, look = in_time(([], first), named_before_unknown, workshop, given, base_search, first, progress)
     found, last = _followed(workshop, given, base_search, rounds, look, progress)
     if not found.rounds or _is_estimated(found.rounds) or found.search.normalised < UNEXPLAINED:
         return found
     least = min([found.search.deviance, *(rival.search.deviance for rival in last.rivals[:1])])
-    beginning = begun_otherwise(workshop, given, base_search, first, least, progress)
+    beginning = in_time(None, begun_otherwise, workshop, given, base_search, first, least, progress)
     if beginning is None:
         return found
     other, _ = _followed(workshop, given, base_search, [beginning[0]], beginning[1], progress)
@@ -109,17 +118,35 @@ def _followed(
     """What is found from a beginning on, and the last look."""
     rounds, search = list(begun), base_search
     while look.winner is not None and not _corrects(look.winner, rounds):
-        rounds.append(settled(workshop, given, look, look.winner, progress))
-        rounds, search = in_best_forms(workshop, base_search, rounds, rounds[-1].rivals[0].search, progress)
+        rounds.append(in_time(look, settled, workshop, given, look, look.winner, progress))
+        search = rounds[-1].rivals[0].search
+        rounds, search = in_time((rounds, search), in_best_forms, workshop, base_search, rounds, search, progress)
         if len(rounds) == MOST_FINDINGS or _is_estimated(rounds):
             break
-        look = look_again(workshop, given, search.fitted(), [r.rivals[0] for r in rounds], progress)
+        found = [one.rivals[0] for one in rounds]
+        further = in_time(None, look_again, workshop, given, search.fitted(), found, progress)
+        if further is None:
+            break
+        look = further
     if len(rounds) > 1:
-        rounds, search = exchanged(workshop, base_search, rounds, search, look) or (rounds, search)
-        rounds, search = reconsidered(workshop, given, base_search, rounds, search, progress)
-        rounds, search = in_best_forms(workshop, base_search, rounds, search, progress)
+        rounds, search = in_time((rounds, search), _questioned, workshop, given, base_search, rounds, search, look, progress)
     last = look if look.winner is None else None
     return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds), last), look
+
+
+def _questioned(
+    workshop: Workshop,
+    given: Misfit,
+    base_search: Search,
+    rounds: list[Round],
+    search: Search,
+    last: Round,
+    progress: Progress,
+) -> tuple[list[Round], Search]:
+    """Several findings, each in the light of the others."""
+    rounds, search = exchanged(workshop, base_search, rounds, search, last) or (rounds, search)
+    rounds, search = reconsidered(workshop, given, base_search, rounds, search, progress)
+    return in_best_forms(workshop, base_search, rounds, search, progress)
 
 
 def _first_look(

@@ -91,6 +91,12 @@ def of_prediction(fits: Mapping[str, Fit]) -> list[str]:
     return sentences
 
 
+def cut_short(diagnosis: Diagnosis, seconds: float) -> Diagnosis:
+    """The diagnosis that could not ask everything, and says so."""
+    sentence = f"the time for questions was up after {seconds:.0f} s: other causes, or more of them, may explain this better"
+    return evolve(diagnosis, summary=f"{diagnosis.summary}\n{sentence}", notes=(sentence, *diagnosis.notes))
+
+
 def nothing_predicted(diagnosis: Diagnosis, runs: Sequence[str]) -> Diagnosis:
     """The diagnosis that had to fit the runs that were held out, and says so."""
     sentence = (

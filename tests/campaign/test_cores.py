@@ -1,6 +1,7 @@
 """Work on all cores gives what one core gives."""
 
 import os
+from time import sleep
 
 import numpy as np
 import pytest
@@ -56,3 +57,18 @@ def threads():
 def test_small_matrices_are_left_to_one_thread_and_then_all_is_as_before():
     with threadpool_limits(2, "blas"):
         assert (threads(), one_thread(threads)(), threads()) == ({2}, {1}, {2})
+
+
+def test_where_telling_raises_nothing_more_is_taken(tmp_path):
+    def told(done):
+        if done > 3:
+            raise TimeoutError("enough")
+
+    def leave_a_trace(number):
+        (tmp_path / str(number)).touch()
+        sleep(0.02)
+
+    with pytest.raises(TimeoutError, match="enough"):
+        spread(leave_a_trace, range(200), told)
+    sleep(0.1)
+    assert len(list(tmp_path.iterdir())) < 20

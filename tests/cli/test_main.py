@@ -61,6 +61,7 @@ def test_diagnose_takes_runs_and_runs_held_out_in_any_order(api, capsys, line):
     api.answer = SimpleNamespace(summary="consistent")
     assert main(line.split()) == 0
     assert api.calls == [("diagnose_files", MODEL, [RUN_1, RUN_2], [HELD_1, HELD_2], OUT)]
+    assert api.options["seconds"] == 180.0
     assert capsys.readouterr().out == "consistent\n"
 
 
@@ -69,6 +70,15 @@ def test_diagnose_can_be_repeated_without_runs_held_out(api):
     main("diagnose m.toml 1.nc --holdout h1.nc --output out".split())
     main("diagnose m.toml 1.nc --output out".split())
     assert [call[3] for call in api.calls] == [[HELD_1], []]
+
+
+def test_diagnose_takes_a_limit_for_its_questions(api, capsys):
+    api.answer = SimpleNamespace(summary="consistent")
+    assert main("diagnose m.toml 1.nc --time-limit inf --output out".split()) == 0
+    assert api.options["seconds"] == float("inf")
+    with pytest.raises(SystemExit, match="2"):
+        main("diagnose m.toml 1.nc --time-limit soon --output out".split())
+    assert "argument --time-limit: expected seconds above 0, found 'soon'" in capsys.readouterr().err
 
 
 CALLS = {

@@ -70,8 +70,8 @@ class MountingResonance(Hypothesis):
 class Misalignment(Hypothesis):
     """recorded = R(tilt) e . true, or (e + transverse) . true, for a channel along e.
 
-    On a line, recorded = cos(lean) true + g sin(lean) + b. The offset b is 0 where gravity was not balanced out before the shock. Where all of it was, this is a gain below 1, as
-    `GainError` says.
+    On a line, recorded = cos(lean) true + g sin(lean) + b. The offset b is 0 where gravity was not balanced out before the
+    shock. Where all of it was, this is a gain below 1, as `GainError` says.
     """
 
     physics: ClassVar[str] = "misalignment"
