@@ -6,7 +6,7 @@ import numpy as np
 from attrs import evolve, field, frozen
 
 from crashkit.diagnose.contest import Progress, identity
-from crashkit.diagnose.evidence import FLOOR, Rival, best_forms, probabilities
+from crashkit.diagnose.evidence import Rival, best_forms, explains, probabilities
 from crashkit.diagnose.name import Limit, again, further_rivals, nearest_rivals, propose_all
 from crashkit.diagnose.result import UNKNOWN
 from crashkit.diagnose.workshop import Workshop
@@ -109,8 +109,8 @@ def between(look: Round, rivals: Sequence[Rival]) -> Round:
 
 
 def settled(workshop: Workshop, given: Misfit, look: Round, winner: Rival, progress: Progress) -> Round:
-    """The round with its winner re-identified, where something is left."""
-    if winner.search.normalised < FLOOR or is_unknown(winner):
+    """The round with its winner re-identified, where something is left, or numbers are strained."""
+    if explains(winner.search) or is_unknown(winner):
         return look
     found = again(workshop, given, winner, progress)
     gained = winner.search.deviance - found.deviance

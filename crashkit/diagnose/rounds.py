@@ -22,8 +22,8 @@ from crashkit.misfit import Misfit
 MOST_FINDINGS = 3
 NEEDED = 100.0
 """Chi squared that the loss of a finding must cost for it to be plainly needed."""
-HALF = 0.5
-"""Of what the model leaves above the noise: a claim that leaves more is not all there is, in whatever form."""
+FIFTH = 0.2
+"""Of what the model leaves above the noise: a claim that leaves more is hardly all there is, in whatever form."""
 TIE = 10.0
 """Chi squared by which two explanations may differ and still count as equally good."""
 
@@ -81,7 +81,7 @@ def _nearby(
     if not known:
         return near, None
     first = settled(workshop, given, between(near, known), known[0], progress)
-    if _above_noise(first.rivals[0].search) > HALF * _above_noise(base_search):
+    if _above_noise(first.rivals[0].search) > FIFTH * _above_noise(base_search):
         return near, None
     (first,), search = in_best_forms(workshop, base_search, [first], first.rivals[0].search, progress)
     near = between(near, sorted([*first.rivals, *filter(is_unknown, near.rivals)], key=lambda rival: -rival.evidence))
@@ -116,7 +116,7 @@ def _followed(
     workshop: Workshop, given: Misfit, base_search: Search, begun: Sequence[Round], look: Round, progress: Progress
 ) -> tuple[Discovery, Round]:
     """What is found from a beginning on, and the last look."""
-    rounds, search = list(begun), base_search
+    rounds, search = list(begun), begun[-1].rivals[0].search if begun else base_search
     while look.winner is not None and not _corrects(look.winner, rounds):
         rounds.append(in_time(look, settled, workshop, given, look, look.winner, progress))
         search = rounds[-1].rivals[0].search
