@@ -12,6 +12,7 @@ from crashkit.diagnose.forms import in_best_forms
 from crashkit.diagnose.in_time import in_time
 from crashkit.diagnose.look import Round, between, is_unknown, look_again, settled
 from crashkit.diagnose.name import CONCEALED, may_conceal
+from crashkit.diagnose.needed import price
 from crashkit.diagnose.pairs import named_before_unknown
 from crashkit.diagnose.rebuild import rebuild, without_winner
 from crashkit.diagnose.result import place_of
@@ -63,7 +64,17 @@ def discovered(workshop: Workshop, given: Misfit, base_search: Search, progress:
         near, found = in_time((near, None), _nearby, workshop, given, base_search, near, progress)
     if found is not None and len(found.rounds) == 1 and explains(found.search):
         return found
-    return in_time(found or _won(base_search, near), _widely, workshop, given, base_search, near, progress)
+    wide = in_time(_won(base_search, near), _widely, workshop, given, base_search, near, progress)
+    return wide if found is None else _cheaper(found, wide)
+
+
+def _cheaper(near: Discovery, wide: Discovery) -> Discovery:
+    """What explains more for its numbers; an estimate only gives way to what explains everything."""
+    if _is_estimated(wide.rounds) and not explains(near.search):
+        return wide
+    return min(
+        near, wide, key=lambda one: one.search.deviance + sum(price(r.rivals[0].proposal, one.final) for r in one.rounds)
+    )
 
 
 def _won(base_search: Search, look: Round) -> Discovery:
@@ -81,9 +92,9 @@ def _nearby(
     if not known:
         return near, None
     first = settled(workshop, given, between(near, known), known[0], progress)
-    if _above_noise(first.rivals[0].search) > FIFTH * _above_noise(base_search):
-        return near, None
-    (first,), search = in_best_forms(workshop, base_search, [first], first.rivals[0].search, progress)
+    search = first.rivals[0].search
+    if _above_noise(search) < FIFTH * _above_noise(base_search):
+        (first,), search = in_best_forms(workshop, base_search, [first], search, progress)
     near = between(near, sorted([*first.rivals, *filter(is_unknown, near.rivals)], key=lambda rival: -rival.evidence))
     if first.winner is None or search.normalised > CONCEALED:
         return near, None
