@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from crashkit.diagnose.aside import suspects, without
+from crashkit.diagnose.aside import late_clocks, on_time, suspects, without
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_instrument_error, with_joint
 from crashkit.protocols import Proposal
@@ -41,6 +41,26 @@ def test_a_sensor_whose_zero_shifts_is_suspected(doubted):
 
 def test_a_late_clock_accuses_no_sensor(doubted):
     assert doubted(accelerometer=late) == ()
+
+
+def test_how_late_film_and_accelerometer_are_against_each_other_is_known_before_which_of_them_is(recorded, misfit, model):
+    clocks = late_clocks(misfit(model, slow=recorded(model, 0.9, 1, accelerometer=late)))
+    assert clocks == {"film": pytest.approx(-2e-3, abs=1e-4), "accelerometer": pytest.approx(2e-3, abs=1e-4)}
+
+
+def test_clocks_are_right_where_something_else_explains_the_contradiction(recorded, misfit, model):
+    assert late_clocks(misfit(model, slow=recorded(model, 0.9, 1))) == {}
+    assert late_clocks(misfit(model, slow=recorded(model, 0.9, 1, accelerometer=shifted))) == {}
+
+
+def test_stamps_are_put_right(recorded, model):
+    run = recorded(model)
+    right = on_time({"run": run}, "film", 0.0105)["run"]
+    stamps = run["film"]["time"].values - 0.0105
+    np.testing.assert_allclose(right["film"]["time"], stamps[stamps >= 0.0])
+    np.testing.assert_array_equal(right["film"]["position"], run["film"]["position"][stamps >= 0.0])
+    assert right["accelerometer"].identical(run["accelerometer"])
+    assert on_time({"run": run}, "lidar", 0.01)["run"].identical(run)
 
 
 def test_what_is_set_aside_leaves_the_other_instruments_as_they_were(doubted, recorded, model):

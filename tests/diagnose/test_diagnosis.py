@@ -44,6 +44,19 @@ def bias(diagnosed):
 
 
 @pytest.fixture(scope="module")
+def late_and_damped(diagnosed, model):
+    """Its recorder starts 1.5 ms early, and the structure has a dashpot that the model has not."""
+    numbers = {"damping": _fixed(800.0), "clearance": _fixed(0.0), "engagement": _fixed(1e-3)}
+    dashpot = Joint("dashpot", ("wall", "front"), "viscous", numbers)
+    return diagnosed(with_joint(model, dashpot), accelerometer=_late)
+
+
+def _late(dataset):
+    values = dataset["acceleration"].values
+    return dataset.assign(acceleration=(dataset["acceleration"].dims, np.concatenate([0.0 * values[:6], values[:-6]])))
+
+
+@pytest.fixture(scope="module")
 def damped(diagnosed, model):
     """The structure itself is other than believed: a dashpot acts beside the spring."""
     dashpot = {"damping": 800.0, "clearance": 0.0, "engagement": 1e-3}
@@ -107,6 +120,14 @@ def test_an_offset_explains_the_misfit_of_runs_that_were_not_fitted(bias):
         "faster.nc/film/front_marker",
         "faster.nc/accelerometer/front_sensor",
     ]
+
+
+def test_a_late_clock_is_found_before_the_structure_is_accused(late_and_damped):
+    findings = {finding.physics: finding for finding in late_and_damped.findings}
+    assert set(findings) == {"clock_offset", "viscous_damping"}
+    assert dict(findings["clock_offset"].location) == {"instrument": "accelerometer"}
+    assert findings["clock_offset"].parameters["clock_offset"].value == pytest.approx(1.5e-3, abs=5e-5)
+    assert findings["viscous_damping"].parameters["damping"].value == pytest.approx(800.0, rel=0.05)
 
 
 def test_instruments_contradict_each_other_without_any_model(bias):
