@@ -6,6 +6,7 @@ lacks. The instruments that agree decide on the structure; what is wrong with th
 
 from collections.abc import Mapping
 
+import numpy as np
 import xarray as xr
 from attrs import frozen
 
@@ -15,6 +16,10 @@ from crashkit.model import Model
 from crashkit.protocols import Proposal
 
 CLOCK = "clock_offset"
+ALIKE = 0.1
+"""Share of an offset by which bodies may differ on it."""
+LEFT = 2.0
+"""What a clock may leave of a contradiction, in units of noise: filters are in no check."""
 
 
 @frozen
@@ -39,31 +44,39 @@ class Suspect:
 
 
 def suspects(misfit: Misfit) -> tuple[Suspect, ...]:
-    """The accelerometers that contradict a film by kinematics alone; not where the clock of either explains it best."""
-    worst = _contradictions(misfit)
-    accused = worst.isel(check=(worst["error"] != CLOCK).values)
+    """The accelerometers that contradict a film by kinematics alone; not where the clock of either explains it."""
+    checks = check_instruments(by_run(misfit))
+    if _late(checks):
+        return ()
+    accused = _worst(checks).where(lambda row: row["sigma"] > SIGNIFICANT, drop=True)
     pairs = zip(accused["body"].values.tolist(), accused["accelerometer"].values.tolist(), strict=True)
     return tuple(_suspect(misfit, body, accelerometer) for body, accelerometer in pairs)
 
 
 def late_clocks(misfit: Misfit) -> dict[str, float]:
-    """By how much, in s, an instrument or another must be late, where that explains best how they contradict each other."""
-    worst = _contradictions(misfit)
-    late = worst.isel(check=(worst["error"] == CLOCK).values)
+    """By how much, in s, one instrument or another must be late; none unless that explains all that they say of all bodies."""
+    return _late(check_instruments(by_run(misfit)))
+
+
+def _late(checks: xr.Dataset) -> dict[str, float]:
+    worst = _worst(checks)
+    late = worst.where((worst["sigma"] > SIGNIFICANT) & (worst["error"] == CLOCK), drop=True)
     if not late.sizes["check"]:
         return {}
     plainest = late.isel(check=int(late["sigma"].values.argmax()))
-    offset = float(plainest["estimate"])
-    return {str(plainest["film"].item()): -offset, str(plainest["accelerometer"].item()): offset}
+    film, accelerometer, offset = (plainest[name].item() for name in ("film", "accelerometer", "estimate"))
+    clocks = checks.where((checks["film"] == film) & (checks["accelerometer"] == accelerometer), drop=True)
+    clocks = clocks.where(clocks["error"] == CLOCK, drop=True)
+    apart = np.abs(clocks["estimate"] - offset) > np.maximum(SIGNIFICANT * clocks["std"], ALIKE * abs(offset))
+    return {} if bool((apart | (clocks["left"] > LEFT)).any()) else {film: -offset, accelerometer: offset}
 
 
-def _contradictions(misfit: Misfit) -> xr.Dataset:
-    """Of the instruments on a body that do not agree, the error that would explain it best."""
-    checks = check_instruments(by_run(misfit)).sortby("sigma")
+def _worst(checks: xr.Dataset) -> xr.Dataset:
+    """Of each body and accelerometer, the error that would explain best what contradicts a film."""
+    checks = checks.sortby("sigma")
     pairs = zip(checks["body"].values.tolist(), checks["accelerometer"].values.tolist(), strict=True)
     last = {pair: number for number, pair in enumerate(pairs)}
-    worst = checks.isel(check=list(last.values()))
-    return worst.isel(check=(worst["sigma"] > SIGNIFICANT).values)
+    return checks.isel(check=list(last.values()))
 
 
 def on_time(recordings: Mapping[str, xr.DataTree], instrument: str, late: float) -> dict[str, xr.DataTree]:

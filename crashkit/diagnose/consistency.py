@@ -37,12 +37,13 @@ def check_instruments(groups: Mapping[str, list[Group]]) -> xr.Dataset:
         groups: the instruments of each run.
 
     Returns:
-        Dataset over `check`: `sentence`, `place`, `body`, `film`, `accelerometer`, `error`, `estimate`, `std`, `sigma`.
+        Dataset over `check`: `sentence`, `place`, `body`, `film`, `accelerometer`, `error`, `estimate`, `std`, `sigma`, and
+        `left`, what the error leaves unexplained, normalised by the noise.
     """
     comparisons = [one for instruments in groups.values() for one in _comparisons(instruments)]
     keys = dict.fromkeys((c.body, c.film, c.accelerometer) for c in comparisons)
     rows = [row for key in keys for row in _rows([c for c in comparisons if (c.body, c.film, c.accelerometer) == key])]
-    names = ("sentence", "place", "body", "film", "accelerometer", "error", "estimate", "std", "sigma")
+    names = ("sentence", "place", "body", "film", "accelerometer", "error", "estimate", "std", "sigma", "left")
     columns = zip(*rows, strict=True) if rows else ((),) * len(names)
     return xr.Dataset({name: ("check", np.array(column)) for name, column in zip(names, columns, strict=True)})
 
@@ -82,20 +83,22 @@ def _rows(comparisons: list[Comparison]) -> list[tuple[str | float, ...]]:
     units = {"gain": "", "bias": " m/s²", "clock_offset": " s"}
     rows: list[tuple[str | float, ...]] = []
     for error, unit in units.items():
-        estimate, std = _estimate(comparisons, error)
+        estimate, std, left = _estimate(comparisons, error)
         sigma = abs(estimate) / std
         verdict = "inconsistent" if sigma > SIGNIFICANT else "consistent"
         sentence = (
             f"{first.accelerometer} against {first.film} on {first.body}: {verdict} "
             f"(as an error of {error.replace('_', ' ')} {estimate:+.3g} ± {std:.2g}{unit})"
         )
-        rows.append((sentence, f"body {first.body}", first.body, first.film, first.accelerometer, error, estimate, std, sigma))
+        rows.append(
+            (sentence, f"body {first.body}", first.body, first.film, first.accelerometer, error, estimate, std, sigma, left)
+        )
     return rows
 
 
-def _estimate(comparisons: list[Comparison], error: str) -> tuple[float, float]:
-    """One error, common to all runs, with a straight line of its own for each run."""
-    information = gradient = 0.0
+def _estimate(comparisons: list[Comparison], error: str) -> tuple[float, float, float]:
+    """One error, common to all runs, with a straight line of its own for each run; its deviation; and what it leaves."""
+    information = gradient = chi_squared = 0.0
     for one in comparisons:
         column = {"gain": -one.integral, "bias": -0.5 * (one.times - one.times[0]) ** 2, "clock_offset": one.slope}[error]
         root = np.linalg.cholesky(one.covariance)
@@ -105,8 +108,10 @@ def _estimate(comparisons: list[Comparison], error: str) -> tuple[float, float]:
         free = white[:, 2:] - basis @ (basis.T @ white[:, 2:])
         information += float(free[:, 0] @ free[:, 0])
         gradient += float(free[:, 0] @ free[:, 1])
-    information = max(information, 1e-300)
-    return gradient / information, float(np.sqrt(1.0 / information))
+        chi_squared += float(free[:, 1] @ free[:, 1])
+    information, samples = max(information, 1e-300), sum(len(one.times) - 2 for one in comparisons)
+    left = np.sqrt(max(chi_squared - gradient**2 / information, 0.0) / samples)
+    return gradient / information, float(np.sqrt(1.0 / information)), float(left)
 
 
 def _covariance(times: np.ndarray, variance: float, density: float) -> np.ndarray:

@@ -11,7 +11,7 @@ from crashkit.campaign import one_thread
 from crashkit.diagnose.consistency import by_run, check_instruments
 from crashkit.diagnose.contest import Progress
 from crashkit.diagnose.discover import discover
-from crashkit.diagnose.evidence import FLOOR, STRAINED, UNEXPLAINED
+from crashkit.diagnose.evidence import FLOOR, STRAINED, UNEXPLAINED, Rival
 from crashkit.diagnose.experiment import experiment
 from crashkit.diagnose.finding import estimates, make_finding, stand_ins
 from crashkit.diagnose.fits import curves_of, fit_of, predict
@@ -66,7 +66,8 @@ def diagnose(
     rehearsed = workshop.rehearsed(model, [*recordings.values(), *holdout.values()])
     equipped, discovery = _explained(rehearsed, model, recordings, limit)
     if not limit.is_over and holdout and _contradicted(equipped, discovery, model, recordings, holdout):
-        again, together = _explained(rehearsed, model, {**recordings, **holdout}, limit)
+        rivals = discovery.rounds[0].rivals if len(discovery.rounds) == 1 else ()
+        again, together = _explained(rehearsed, model, {**recordings, **holdout}, limit, rivals)
         if not limit.is_over:
             return nothing_predicted(_told(again, together, {}), tuple(holdout))
     told = _told(equipped, discovery, holdout)
@@ -74,9 +75,17 @@ def diagnose(
 
 
 def _explained(
-    equipped: Workshop, model: Model, recordings: Mapping[str, xr.DataTree], progress: TimeLimit
+    equipped: Workshop,
+    model: Model,
+    recordings: Mapping[str, xr.DataTree],
+    progress: TimeLimit,
+    rivals: Sequence[Rival] = (),
 ) -> tuple[Workshop, Discovery]:
-    """What these recordings say that the model leaves out, and the workshop with the steps that they need."""
+    """What these recordings say that the model leaves out, and the workshop with the steps that they need.
+
+    Arguments:
+        rivals: of an answer that these recordings contradict; they are asked first.
+    """
     progress.show("re-identifying the model", 0.0)
     given = equipped.first_misfit(model, thinned_by(equipped, recordings, model)).with_prior(ROUGHLY)
     # The first simulation compiles the engine, before copies of this process would each do so.
@@ -87,7 +96,7 @@ def _explained(
     if base.misfit.departure(base.point) <= STRAINED:
         base = _sharpened(equipped, model, recordings, base)
     nothing = Discovery(base.fitted(), base.fitted(), base)
-    discovery = in_time(nothing, discover, equipped, base.misfit.with_values_of(given), base, progress)
+    discovery = in_time(nothing, discover, equipped, base.misfit.with_values_of(given), base, rivals, progress)
     progress.show("refining", 0.0)
     return equipped, _refined(equipped, discovery, model, recordings)
 

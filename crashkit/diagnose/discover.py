@@ -1,10 +1,10 @@
 """Which instruments are believed while the structure is questioned: those that kinematics contradicts come first or last."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from crashkit.diagnose.aside import CLOCK, Suspect, late_clocks, on_time, suspects, without
 from crashkit.diagnose.contest import Progress
-from crashkit.diagnose.evidence import probabilities, ranked_by_evidence
+from crashkit.diagnose.evidence import Rival, probabilities, ranked_by_evidence
 from crashkit.diagnose.in_time import in_time
 from crashkit.diagnose.look import Round, look_again, settled
 from crashkit.diagnose.name import propose_all
@@ -12,19 +12,23 @@ from crashkit.diagnose.rebuild import rebuild
 from crashkit.diagnose.reidentify import reidentify
 from crashkit.diagnose.rounds import Discovery, discovered, reconsidered
 from crashkit.diagnose.search import STEPS, Search, begin
+from crashkit.diagnose.second_best import second_best
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 
 
-def discover(workshop: Workshop, given: Misfit, base_search: Search, progress: Progress) -> Discovery:
+def discover(workshop: Workshop, given: Misfit, base_search: Search, rivals: Sequence[Rival], progress: Progress) -> Discovery:
     """All findings that the evidence supports, each in the light of the others.
 
     Arguments:
         given: the misfit of the model at the values that the user gave.
         base_search: its best fit.
+        rivals: that are asked first, if there are any.
     """
+    found = second_best(workshop, given, base_search, rivals, progress)
+    if found is not None:
+        return found
     set_aside, late = suspects(given), late_clocks(given)
-    found = None
     if set_aside:
         found = _beside(workshop, given, base_search, set_aside, progress)
     elif late:

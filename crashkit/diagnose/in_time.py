@@ -19,7 +19,7 @@ class TimeLimit:
     """A progress that ends every question once the time is up.
 
     Arguments:
-        seconds: from now on.
+        seconds: from the first question on; what is compiled before does not count.
         show: told what is being done.
 
     Attributes:
@@ -29,11 +29,13 @@ class TimeLimit:
     def __init__(self, seconds: float, show: Progress) -> None:
         self.is_over = False
         self.show = show
-        self._end = monotonic() + seconds
+        self._seconds = seconds
+        self._begun: float | None = None
 
     def __call__(self, doing: str, share: float) -> None:
         """Told what is being done; raises OutOfTimeError where there is no time for it."""
-        if monotonic() > self._end:
+        self._begun = monotonic() if self._begun is None else self._begun
+        if monotonic() > self._begun + self._seconds:
             self.is_over = True
             raise OutOfTimeError
         self.show(doing, share)

@@ -99,7 +99,7 @@ def _nearby(
     if first.winner is None or search.normalised > CONCEALED:
         return near, None
     look = look_again(workshop, given, search.fitted(), [first.winner], progress)
-    found, _ = _followed(workshop, given, base_search, [first], look, progress)
+    found, _ = followed(workshop, given, base_search, [first], look, progress)
     return near, found
 
 
@@ -112,18 +112,18 @@ def _widely(workshop: Workshop, given: Misfit, base_search: Search, near: Round,
     """Round after round, with everything in sight; begun otherwise where that leaves something."""
     base_search, first = _first_look(workshop, given, base_search, near, progress)
     rounds, look = in_time(([], first), named_before_unknown, workshop, given, base_search, first, progress)
-    found, last = _followed(workshop, given, base_search, rounds, look, progress)
+    found, last = followed(workshop, given, base_search, rounds, look, progress)
     if not found.rounds or _is_estimated(found.rounds) or found.search.normalised < UNEXPLAINED:
         return found
     least = min([found.search.deviance, *(rival.search.deviance for rival in last.rivals[:1])])
     beginning = in_time(None, begun_otherwise, workshop, given, base_search, first, least, progress)
     if beginning is None:
         return found
-    other, _ = _followed(workshop, given, base_search, [beginning[0]], beginning[1], progress)
+    other, _ = followed(workshop, given, base_search, [beginning[0]], beginning[1], progress)
     return min(found, other, key=lambda one: one.search.deviance)
 
 
-def _followed(
+def followed(
     workshop: Workshop, given: Misfit, base_search: Search, begun: Sequence[Round], look: Round, progress: Progress
 ) -> tuple[Discovery, Round]:
     """What is found from a beginning on, and the last look."""
