@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from crashkit.diagnose.aside import CLOCK, Suspect, late_clocks, on_time, suspects, without
 from crashkit.diagnose.contest import Progress
-from crashkit.diagnose.evidence import Rival, probabilities, ranked_by_evidence
+from crashkit.diagnose.evidence import FLOOR, Rival, probabilities, ranked_by_evidence
 from crashkit.diagnose.in_time import in_time
 from crashkit.diagnose.look import Round, look_again, settled
 from crashkit.diagnose.name import propose_all
@@ -39,7 +39,7 @@ def discover(workshop: Workshop, given: Misfit, base_search: Search, rivals: Seq
 def _beside(
     workshop: Workshop, given: Misfit, base_search: Search, set_aside: tuple[Suspect, ...], progress: Progress
 ) -> Discovery | None:
-    """What the instruments that agree say of the structure, and then what is wrong with the others; None if nothing is."""
+    """What the instruments that agree say of the structure, and then what is wrong with the others; None if neither explains."""
     rest = workshop.first_misfit(given.model, without(given.recordings, set_aside)).with_prior(given.prior.std)
     if not rest.groups:
         return None
@@ -54,8 +54,10 @@ def _beside(
         look = in_time(None, look_again, workshop, unbent, search.fitted(), found, progress, suspect.concerns)
         if look is None:
             break
-        if look.winner is None:
+        if look.winner is None and search.normalised > FLOOR:
             return None
+        if look.winner is None:
+            continue
         rounds.append(in_time(look, settled, workshop, unbent, look, look.winner, progress))
         search = rounds[-1].rivals[0].search
     return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds))
