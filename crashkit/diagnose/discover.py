@@ -39,7 +39,7 @@ def discover(workshop: Workshop, given: Misfit, base_search: Search, rivals: Seq
 def _beside(
     workshop: Workshop, given: Misfit, base_search: Search, set_aside: tuple[Suspect, ...], progress: Progress
 ) -> Discovery | None:
-    """What the instruments that agree say of the structure, and then what is wrong with the others; None if neither explains."""
+    """What the instruments that agree say of the structure, and then what is wrong with the others; None if that fails."""
     rest = workshop.first_misfit(given.model, without(given.recordings, set_aside)).with_prior(given.prior.std)
     if not rest.groups:
         return None

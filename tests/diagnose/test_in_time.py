@@ -52,6 +52,15 @@ def test_a_question_after_the_time_is_not_answered(clock):
     assert limit.is_over
 
 
+def test_the_time_begins_with_the_first_question(clock):
+    limit = TimeLimit(1.0, lambda doing, share: None)
+    clock.now = 5.0
+    limit("first", 0.0)
+    clock.now = 5.9
+    limit("second", 0.0)
+    assert not limit.is_over
+
+
 def test_what_stands_without_an_answer(clock):
     def question(limit):
         limit("asking", 0.0)
@@ -59,6 +68,7 @@ def test_what_stands_without_an_answer(clock):
 
     assert in_time.in_time("none", question, TimeLimit(1.0, lambda doing, share: None)) == "answer"
     limit = TimeLimit(1.0, lambda doing, share: None)
+    limit("a first question", 0.0)
     clock.now = 3.0
     assert in_time.in_time("none", question, limit) == "none"
 
