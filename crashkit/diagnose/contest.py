@@ -32,6 +32,11 @@ def identity(proposal: Proposal) -> tuple[str, str]:
     return proposal.physics, place_of(proposal.location)
 
 
+def is_same(first: Proposal, second: Proposal) -> bool:
+    """Whether two proposals, perhaps built on different models, claim the same in the same form."""
+    return identity(first) == identity(second) and first.form == second.form
+
+
 def scores(
     workshop: Workshop, origin: Misfit, proposals: Sequence[Proposal], reference: float, progress: Progress
 ) -> list[tuple[Proposal, Score]]:

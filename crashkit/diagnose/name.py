@@ -12,6 +12,7 @@ from crashkit.diagnose.contest import (
     Start,
     heats,
     identity,
+    is_same,
     promising,
     scores,
     scouted,
@@ -201,7 +202,7 @@ def _polished(
     forms = [p for p in proposals if p.physics != UNKNOWN and _leads(p, ranked)]
     starts: list[Start] = []
     for proposal in forms:
-        found = next((r.search for r in ranked if r.proposal is proposal), None)
+        found = next((r.search for r in ranked if is_same(r.proposal, proposal)), None)
         known = found.misfit.values(found.point) if found else {}
         new = {name: known[name] for name in proposal.parameters if name in known}
         origin = workshop.misfit(given, proposal.model).with_values_of(given)

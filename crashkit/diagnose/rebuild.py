@@ -2,12 +2,11 @@
 
 from collections.abc import Sequence
 
-from crashkit.diagnose.contest import identity
+from crashkit.diagnose.contest import is_same
 from crashkit.diagnose.evidence import Rival
 from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.search import STEPS, Search, begin
 from crashkit.diagnose.workshop import Workshop
-from crashkit.protocols import Proposal
 
 
 def without_winner(search: Search, winner: Rival) -> Search:
@@ -20,7 +19,7 @@ def rebuild(workshop: Workshop, base_search: Search, rivals: Sequence[Rival], la
     search = base_search
     for rival in rivals:
         current = search.fitted()
-        proposal = next((p for p in propose_all(workshop.hypotheses, current) if _same(p, rival.proposal)), None)
+        proposal = next((p for p in propose_all(workshop.hypotheses, current) if is_same(p, rival.proposal)), None)
         if proposal is None:
             return None
         found = {**rival.search.misfit.values(rival.search.point), **last.misfit.values(last.point)}
@@ -28,7 +27,3 @@ def rebuild(workshop: Workshop, base_search: Search, rivals: Sequence[Rival], la
         start = {name: found[name] for name in misfit.names if name in found}
         search = begin(workshop.identifier, misfit.with_values(start)).advance(STEPS)
     return search
-
-
-def _same(first: Proposal, second: Proposal) -> bool:
-    return identity(first) == identity(second) and first.form == second.form
