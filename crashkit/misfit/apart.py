@@ -6,9 +6,12 @@ from attrs import evolve
 
 from crashkit.model import Model, Parameter
 
+REACH = 0.45
+"""Share of the way to a neighbour that a number may go: two that went half of it would meet."""
+
 
 def kept_apart(model: Model, lists: Sequence[Sequence[str]]) -> dict[str, Parameter]:
-    """The free parameters by path, where those of an increasing list go no further than half way to their neighbours.
+    """The free parameters by path, where those of an increasing list go not quite half way to their neighbours.
 
     Arguments:
         lists: paths of the numbers of each list.
@@ -20,7 +23,8 @@ def kept_apart(model: Model, lists: Sequence[Sequence[str]]) -> dict[str, Parame
 
 
 def _narrowed(numbers: dict[str, Parameter]) -> Iterator[tuple[str, Parameter]]:
-    values = [parameter.value for parameter in numbers.values()]
-    middles = [0.5 * (low + high) for low, high in zip([0.0, *values[:-1]], values, strict=True)]
-    for (path, parameter), lower, upper in zip(numbers.items(), middles, [*middles[1:], float("inf")], strict=True):
+    values = [0.0, *(parameter.value for parameter in numbers.values()), float("inf")]
+    neighbours = zip(values, values[2:], strict=False)
+    for (path, parameter), (below, above) in zip(numbers.items(), neighbours, strict=True):
+        lower, upper = (parameter.value + REACH * (other - parameter.value) for other in (below, above))
         yield path, evolve(parameter, lower=max(parameter.lower, lower), upper=min(parameter.upper, upper))

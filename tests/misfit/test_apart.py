@@ -43,15 +43,15 @@ def apart(model, count):
 def test_wherever_the_search_goes_the_corners_keep_their_order(deformations, shares):
     within = apart(curve(deformations, lower=0.0), len(deformations))
     moved = [one.lower + share * (min(one.upper, 2.0) - one.lower) for one, share in zip(within, shares, strict=False)]
-    assert all(first <= then for first, then in zip(moved[:-1], moved[1:], strict=True))
+    assert np.all(np.diff(moved) >= 0.099 * np.diff(deformations) - 1e-15)
     assert moved[0] > 0.0
     assert all(one.lower <= one.value <= one.upper for one in within)
 
 
 def test_bounds_of_the_user_stay_where_they_are_narrower():
     first, second = apart(curve(CORNERS, lower=0.035, upper=0.11), 2)
-    assert (first.lower, first.upper) == (0.035, pytest.approx(0.07))
-    assert (second.lower, second.upper) == (pytest.approx(0.07), 0.11)
+    assert (first.lower, first.upper) == (0.035, pytest.approx(0.067))
+    assert (second.lower, second.upper) == (pytest.approx(0.073), 0.11)
 
 
 def test_fixed_corners_stay_fixed():
@@ -61,7 +61,7 @@ def test_fixed_corners_stay_fixed():
 def test_a_misfit_finds_the_lists_of_its_model(registry, recorded_curve):
     misfit = recorded_curve(CORNERS)
     bounds = dict(zip(misfit.names, zip(*np.exp(misfit.bounds()), strict=True), strict=True))
-    assert [bounds[path][0] for path in paths(2)] == pytest.approx([0.02, 0.07])
+    assert [bounds[path][0] for path in paths(2)] == pytest.approx([0.022, 0.073])
 
 
 def test_corners_that_are_off_are_identified(registry, recorded_curve):

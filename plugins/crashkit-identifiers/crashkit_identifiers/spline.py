@@ -73,7 +73,8 @@ def _fit(rows: np.ndarray, target: np.ndarray, roughness: np.ndarray) -> tuple[n
     """
     size = float(np.linalg.norm(rows) / np.linalg.norm(roughness))
     factor, triangle = qr(np.concatenate([rows, size * roughness]), mode="economic")
-    _, values, turns = svd(factor[len(rows) :], full_matrices=False)
+    # Not by division, which is faster and now and then does not converge.
+    _, values, turns = svd(factor[len(rows) :], full_matrices=False, lapack_driver="gesvd")
     rough, vectors = np.minimum(values**2, 1.0), solve_triangular(triangle, turns.T)
     pulled, turned = vectors.T @ (rows.T @ target), rows @ vectors
 
