@@ -119,7 +119,9 @@ def test_on_a_line_a_tilted_sensor_also_reads_gravity():
     run = toys.recording(Simulator(toy, load().spring_laws).run(TIMES))
     tilted = {p.location["sensor"]: p for p in Misalignment().propose(toy, [], [run])}
     assert {p.form for p in tilted.values()} == {"lean"}
-    assert tilted["floor_a"].parameters == tuple(f"instrument.accelerometer.floor_a.{name}" for name in ("lean", "bias"))
+    assert tilted["front_sensor"].parameters == tuple(
+        f"instrument.accelerometer.front_sensor.{name}" for name in ("lean", "bias")
+    )
 
 
 def test_a_tilted_sensor_is_found(car, crash, engine, recorded):
