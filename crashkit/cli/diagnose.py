@@ -7,7 +7,7 @@ from typing import Any
 from crashkit.cli import progress
 
 TIME_LIMIT = 180.0
-"""s for questions. Most diagnoses need a quarter of that; what takes longer is seldom settled by asking on."""
+"""s for questions."""
 
 
 def register(commands: Any) -> None:

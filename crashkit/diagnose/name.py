@@ -82,7 +82,7 @@ def nearest_rivals(
         progress: told what is being done and how far it is (0 to 1).
     """
     residual = base.residual(base.start())
-    normalised, strained = standing(base)
+    normalised, strained = _standing(base)
     plain = [proposal for proposal in proposals if not proposal.refined]
     scored = scores(workshop, base, plain, float(residual @ residual), progress)
     chosen = promising(scored, 1, NOISE_PROMISE if normalised < FLOOR and not strained else LEAST_PROMISE)
@@ -118,7 +118,7 @@ def further_rivals(
     return ranked_by_evidence(fitted, deviance)
 
 
-def standing(base: Misfit) -> tuple[float, bool]:
+def _standing(base: Misfit) -> tuple[float, bool]:
     """The normalised residual of a model, and whether its numbers are strained."""
     residual = base.residual(base.start())
     return float(np.sqrt(residual @ residual / base.independent_samples)), base.departure(base.start()) > STRAINED
@@ -126,7 +126,7 @@ def standing(base: Misfit) -> tuple[float, bool]:
 
 def may_conceal(base: Misfit) -> bool:
     """Whether a fitted model may hide physics in wrong values of its own."""
-    normalised, strained = standing(base)
+    normalised, strained = _standing(base)
     return strained or normalised > CONCEALED
 
 

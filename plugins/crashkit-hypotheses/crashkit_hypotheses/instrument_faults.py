@@ -23,8 +23,8 @@ SLOW, SLOWEST = 0.03, 0.1
 class GainError(Hypothesis):
     """recorded = g x true, g other than 1.
 
-    Along one axis a sensor that is tilted by an angle reads cos(angle) of the truth: no recording of that axis alone tells the
-    two apart.
+    Along one axis a sensor that is tilted by an angle reads cos(angle) of the truth, and gravity, if that is not balanced out:
+    else no recording of that axis alone tells the two apart.
     """
 
     physics: ClassVar[str] = "gain_error"
