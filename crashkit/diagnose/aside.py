@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from attrs import frozen
 
-from crashkit.diagnose.consistency import SIGNIFICANT, by_run, check_instruments
+from crashkit.diagnose.consistency import SIGNIFICANT
 from crashkit.misfit import Misfit
 from crashkit.model import Model
 from crashkit.protocols import Proposal
@@ -43,22 +43,19 @@ class Suspect:
         return of_readings and (place.get("sensor") in self.sensors or place.get("body") == self.body)
 
 
-def suspects(misfit: Misfit) -> tuple[Suspect, ...]:
-    """The accelerometers that contradict a film by kinematics alone; not where the clock of either explains it."""
-    checks = check_instruments(by_run(misfit))
-    if _late(checks):
-        return ()
+def suspects(misfit: Misfit, checks: xr.Dataset) -> tuple[Suspect, ...]:
+    """The accelerometers that contradict a film by kinematics alone.
+
+    Arguments:
+        checks: what `check_instruments` says of the misfit's recordings.
+    """
     accused = _worst(checks).where(lambda row: row["sigma"] > SIGNIFICANT, drop=True)
     pairs = zip(accused["body"].values.tolist(), accused["accelerometer"].values.tolist(), strict=True)
     return tuple(_suspect(misfit, body, accelerometer) for body, accelerometer in pairs)
 
 
-def late_clocks(misfit: Misfit) -> dict[str, float]:
+def late_clocks(checks: xr.Dataset) -> dict[str, float]:
     """By how much, in s, one instrument or another must be late; none unless that explains all that they say of all bodies."""
-    return _late(check_instruments(by_run(misfit)))
-
-
-def _late(checks: xr.Dataset) -> dict[str, float]:
     worst = _worst(checks)
     late = worst.where((worst["sigma"] > SIGNIFICANT) & (worst["error"] == CLOCK), drop=True)
     if not late.sizes["check"]:

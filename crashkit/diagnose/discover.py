@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from crashkit.diagnose.aside import CLOCK, Suspect, late_clocks, on_time, suspects, without
+from crashkit.diagnose.consistency import by_run, check_instruments
 from crashkit.diagnose.contest import Progress
 from crashkit.diagnose.evidence import FLOOR, Rival, probabilities, ranked_by_evidence
 from crashkit.diagnose.in_time import in_time
@@ -28,11 +29,11 @@ def discover(workshop: Workshop, given: Misfit, base_search: Search, rivals: Seq
     found = second_best(workshop, given, base_search, rivals, progress)
     if found is not None:
         return found
-    set_aside, late = suspects(given), late_clocks(given)
-    if set_aside:
-        found = _beside(workshop, given, base_search, set_aside, progress)
-    elif late:
+    checks = check_instruments(by_run(given))
+    if late := late_clocks(checks):
         found = _with_clock(workshop, given, base_search, late, progress)
+    elif set_aside := suspects(given, checks):
+        found = _beside(workshop, given, base_search, set_aside, progress)
     return found or discovered(workshop, given, base_search, progress)
 
 

@@ -31,35 +31,31 @@ def reidentify(workshop: Workshop, misfit: Misfit) -> Search:
     from many starts, and from where the equations of motion lead one at once and one that takes in the events as they come.
     """
     identifier = workshop.identifier
-    looks = [
-        partial(_found, workshop.finder),
-        partial(_best_of_many, identifier),
-        partial(_grown, workshop),
-        partial(_regressed, workshop),
-    ]
-    ends = spread(lambda look: look(misfit), looks)
+    looks = [partial(_found, workshop.finder), partial(_best_of_many, identifier), partial(_led, workshop)]
+    ends = [end for each in spread(lambda look: look(misfit), looks) for end in each]
     searches = [begin(identifier, misfit.with_values(misfit.values(end))).advance(STEPS) for end in ends]
     return weighed([min(searches, key=lambda search: search.state.cost)])[0]
 
 
-def _found(finder: Identifier[Any], misfit: Misfit) -> np.ndarray:
+def _found(finder: Identifier[Any], misfit: Misfit) -> list[np.ndarray]:
     state = finder.start(misfit)
     for _ in range(FINDING):
         if state.status is not Status.RUNNING:
             break
         state = finder.step(misfit, state)
-    return np.asarray(state.point)
+    return [np.asarray(state.point)]
 
 
-def _regressed(workshop: Workshop, misfit: Misfit) -> np.ndarray:
-    """Where the regression ends, or the misfit's own values where there is none."""
+def _led(workshop: Workshop, misfit: Misfit) -> list[np.ndarray]:
+    """Where the regression ends, or the misfit's own values where there is none, and where a search goes from there."""
     end = regression(workshop, [misfit])
-    return misfit.start() if end is None else misfit.start_at(end[0])
+    start = misfit.start() if end is None else misfit.start_at(end[0])
+    return [start, _grown(workshop, misfit, start)]
 
 
-def _grown(workshop: Workshop, misfit: Misfit) -> np.ndarray:
+def _grown(workshop: Workshop, misfit: Misfit, start: np.ndarray) -> np.ndarray:
     """Where a search ends that sees a little more of the time recorded every few steps, so that no event is jumped over."""
-    values = misfit.values(_regressed(workshop, misfit))
+    values = misfit.values(start)
     slices = [misfit.coarse.up_to(share) for share in np.linspace(EARLIEST, 1.0, SLICES).tolist()]
     for early in (one for one in slices if one.groups):
         search = begin(workshop.identifier, early.with_values(values)).advance(STEPS_EACH)
@@ -75,12 +71,12 @@ def refine(identifier: Identifier[Any], misfit: Misfit) -> Search:
     return min(searches, key=lambda search: search.deviance)
 
 
-def _best_of_many(identifier: Identifier[Any], misfit: Misfit) -> np.ndarray:
+def _best_of_many(identifier: Identifier[Any], misfit: Misfit) -> list[np.ndarray]:
     """Where the best of several searches ends that begin at the model's values and around them."""
     searches = begin_all(identifier, scattered(misfit, HEATS[0][0]))
     for size, steps in HEATS:
         searches = advance_all(sorted(searches, key=lambda search: search.state.cost)[:size], steps)
-    return min(searches, key=lambda search: search.state.cost).point
+    return [min(searches, key=lambda search: search.state.cost).point]
 
 
 def scattered(misfit: Misfit, count: int) -> list[Misfit]:
