@@ -55,9 +55,9 @@ def scores(
     return [(proposal, one) for proposal, each in found for one in each if one is not None]
 
 
-def promising(scored: Sequence[tuple[Proposal, Score]], most: int, least: float) -> list[Start]:
-    """The best starts of every form of every claim that promises a drop of `least`."""
-    hopeful = [(proposal, one) for proposal, one in scored if one.drop > least or not proposal.null]
+def promising(scored: Sequence[tuple[Proposal, Score]], most: int, least: Callable[[Proposal], float]) -> list[Start]:
+    """The best starts of every form of every claim that promises the drop that is asked of it."""
+    hopeful = [(proposal, one) for proposal, one in scored if one.drop > least(proposal) or not proposal.null]
     best = first_of_each(sorted(hopeful, key=lambda one: -one[1].drop), most)
     return [(proposal, one.values) for proposal, one in best]
 

@@ -1,6 +1,7 @@
 """One look at what a model leaves: every hypothesis that has not been found already is fitted to it and weighed."""
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 from attrs import evolve, field, frozen
@@ -44,9 +45,7 @@ class Round:
         if not self.rivals or self.nothing >= CHANCE:
             return None
         first = self.rivals[0]
-        is_of_readings = not {"sensor", "instrument"}.isdisjoint(first.proposal.location)
-        least = max(LEAST_DROP, READINGS * self.least) if is_of_readings else self.least
-        return first if first.drop > least else None
+        return first if first.drop > _least_of(first.proposal, self.least) else None
 
 
 def look_again(
@@ -72,8 +71,9 @@ def look_again(
     everything = [p for p in propose_all(workshop.hypotheses, current) if concerns is None or concerns(p, current.model)]
     proposals = [p for p in everything if identity(p) not in known and _is_given(given.model, p.location)]
     equipped = workshop.equipped([p.model for p in proposals])
+    least = _least_drop(found)
     if begun is None:
-        ranked, limits = nearest_rivals(equipped, current, proposals, progress)
+        ranked, limits = nearest_rivals(equipped, current, proposals, partial(_least_of, least=least), progress)
     else:
         ranked, limits = list(begun.rivals), list(begun.limits)
     if not quick:
@@ -81,7 +81,7 @@ def look_again(
         ranked = further_rivals(equipped, current, current.with_values_of(given), proposals, ranked, afresh, progress)
     best = best_forms(ranked)
     chances, nothing = probabilities(best, len({identity(p) for p in proposals}))
-    return Round(tuple(best), tuple(chances.tolist()), nothing, current, _least_drop(found), tuple(limits))
+    return Round(tuple(best), tuple(chances.tolist()), nothing, current, least, tuple(limits))
 
 
 def _least_drop(found: Sequence[Rival]) -> float:
@@ -91,6 +91,12 @@ def _least_drop(found: Sequence[Rival]) -> float:
         if found
         else LEAST_DROP
     )
+
+
+def _least_of(proposal: Proposal, least: float) -> float:
+    """What this claim must explain where `least` is asked of one about the structure."""
+    is_of_readings = not {"sensor", "instrument"}.isdisjoint(proposal.location)
+    return max(LEAST_DROP, READINGS * least) if is_of_readings else least
 
 
 def _is_given(model: Model, location: Mapping[str, object]) -> bool:

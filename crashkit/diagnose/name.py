@@ -1,6 +1,6 @@
 """Name the physics: every hypothesis at every place is scored, the promising ones are fitted, the fitted ones are ranked."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 from attrs import frozen
@@ -44,8 +44,8 @@ POLISHING = ((24, 10), (5, 60))
 LEAST_PROMISE = 1e-3
 """A drop in chi squared below this says that nothing of the effect is excited. More is not asked of a model that is above the
 noise: its own parameters may hide an effect so well that its score is small."""
-NOISE_PROMISE = 3.0
-"""That is asked of a model at the noise, at its best fit."""
+NOISE_PROMISE = 0.15
+"""Share of the drop that a finding needs which is asked of a model at the noise, at its best fit."""
 SEEN = 4.5
 """Standard deviations from which an effect is found: its chi squared is then that of a finding."""
 
@@ -72,20 +72,22 @@ def propose_all(hypotheses: Mapping[str, type[Hypothesis]], base: Misfit) -> lis
 
 
 def nearest_rivals(
-    workshop: Workshop, base: Misfit, proposals: Sequence[Proposal], progress: Progress
+    workshop: Workshop, base: Misfit, proposals: Sequence[Proposal], least: Callable[[Proposal], float], progress: Progress
 ) -> tuple[list[Rival], list[Limit]]:
     """The fits from the best numbers of the model without the claims, the most evident first, and the smallest effects seen.
 
     Arguments:
         base: the misfit of that model, at its best fit.
         proposals: all of them built on that model.
+        least: the drop in chi squared that a claim needs to be a finding.
         progress: told what is being done and how far it is (0 to 1).
     """
     residual = base.residual(base.start())
     normalised, strained = _standing(base)
     plain = [proposal for proposal in proposals if not proposal.refined]
     scored = scores(workshop, base, plain, float(residual @ residual), progress)
-    chosen = promising(scored, 1, NOISE_PROMISE if normalised < FLOOR and not strained else LEAST_PROMISE)
+    at_noise = normalised < FLOOR and not strained
+    chosen = promising(scored, 1, lambda proposal: NOISE_PROMISE * least(proposal) if at_noise else LEAST_PROMISE)
     fitted = heats(scouted(workshop, base, chosen, (1.0,), HEATS[0][0], _astray(workshop, base), progress), HEATS, progress)
     return ranked_by_evidence(fitted, base.deviance(residual)), _limits(scored)
 
@@ -142,7 +144,7 @@ def _from_given(
     found = regressed(workshop, given, proposals, progress)
     if any(_reaches_noise(proposal, search) for proposal, search in found):
         return found
-    rough = promising(scores(workshop, given.coarse, proposals, np.inf, progress), STARTS, LEAST_PROMISE)
+    rough = promising(scores(workshop, given.coarse, proposals, np.inf, progress), STARTS, lambda _: LEAST_PROMISE)
     return [*found, *heats(scouted(workshop, given, rough, GROWING, HEATS[0][0], astray, progress), HEATS, progress)]
 
 

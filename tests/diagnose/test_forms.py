@@ -4,7 +4,7 @@ import pytest
 
 from crashkit.diagnose.evidence import Rival
 from crashkit.diagnose.forms import in_best_forms
-from crashkit.diagnose.look import Round
+from crashkit.diagnose.look import LEAST_DROP, Round
 from crashkit.diagnose.name import further_rivals, nearest_rivals
 from crashkit.diagnose.rounds import reconsidered
 from crashkit.diagnose.search import begin
@@ -82,7 +82,7 @@ def test_a_fine_form_waits_until_a_plain_one_leaves_something(workshop, base, pr
         without = base(factor, numbers)
         fitted = without.fitted()
         proposals = proposed(without, "rate_dependence")
-        nearest, _ = nearest_rivals(workshop, fitted, proposals, silent)
+        nearest, _ = nearest_rivals(workshop, fitted, proposals, lambda _: LEAST_DROP, silent)
         ranked = further_rivals(workshop, fitted, fitted, proposals, nearest, True, silent)
         plain = [rival for rival in ranked if not rival.proposal.refined]
         assert (min(rival.search.normalised for rival in plain) > 1.05) is is_tried

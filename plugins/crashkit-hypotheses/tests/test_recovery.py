@@ -7,7 +7,7 @@ from attrs import evolve
 
 from crashkit.api import workshop as installed
 from crashkit.diagnose.forms import in_best_forms
-from crashkit.diagnose.look import Round
+from crashkit.diagnose.look import LEAST_DROP, Round
 from crashkit.diagnose.name import further_rivals, nearest_rivals
 from crashkit.diagnose.search import begin
 from crashkit.mechanics import Simulator
@@ -87,7 +87,7 @@ def found(model, workshop, recorded):
         motion = [base.predictor.motion(run, base.values(base.start())) for run in base.recordings]
         proposals = workshop.hypotheses[physics]().propose(base.model, motion, list(base.recordings.values()))
         equipped = workshop.equipped([proposal.model for proposal in proposals])
-        nearest, _ = nearest_rivals(equipped, base, proposals, silent)
+        nearest, _ = nearest_rivals(equipped, base, proposals, lambda _: LEAST_DROP, silent)
         ranked = further_rivals(equipped, base, given, proposals, nearest, True, silent)
         look = Round(tuple(ranked), (1.0,), 0.0, base)
         (look,), search = in_best_forms(equipped, begin(workshop.identifier, base), [look], ranked[0].search, silent)
