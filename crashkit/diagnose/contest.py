@@ -135,11 +135,18 @@ def heats(entrants: Sequence[Entrant], sizes: Sequence[tuple[int, int]], progres
 
 
 def _ahead(entrants: Sequence[Entrant], size: int) -> list[Entrant]:
-    """The best of them; half the places are kept from estimated tables, whose many heights fit better than they explain."""
+    """The best of them; half the places are kept from estimated tables, whose many heights fit better than they explain.
+
+    Whatever its forms, one claim does not take all places: the best other one goes on, to be told as a rival.
+    """
     ranked = sorted(entrants, key=_priced)
     tables = [entrant for entrant in ranked if entrant[0].physics == UNKNOWN][: size // 2]
     named = [entrant for entrant in ranked if entrant[0].physics != UNKNOWN]
-    return [*named[: size - len(tables)], *tables]
+    chosen = named[: size - len(tables)]
+    if len({identity(proposal) for proposal, _ in chosen}) == 1:
+        leader = identity(chosen[0][0])
+        chosen += [entrant for entrant in named if identity(entrant[0]) != leader][:1]
+    return [*chosen, *tables]
 
 
 def _priced(entrant: Entrant) -> float:

@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 
+from attrs import evolve
+
 from crashkit.diagnose.aside import CLOCK, Suspect, late_clocks, on_time, suspects, without
 from crashkit.diagnose.consistency import by_run, check_instruments
 from crashkit.diagnose.contest import Progress
@@ -44,7 +46,7 @@ def _beside(
     rest = workshop.first_misfit(given.model, without(given.recordings, set_aside)).with_prior(given.prior.std)
     if not rest.groups:
         return None
-    structure = discovered(workshop, rest, reidentify(workshop, rest), progress)
+    structure = discovered(evolve(workshop, recorded={}), rest, reidentify(workshop, rest), progress)
     rounds = list(structure.rounds)
     search = rebuild(workshop, base_search, [look.rivals[0] for look in rounds], structure.search)
     if search is None:
@@ -72,7 +74,8 @@ def _with_clock(
     if clock.winner is None:
         return None
     search = clock.winner.search
-    structure = discovered(workshop, search.fitted().with_values_of(given), search, progress)
+    at_pace = evolve(workshop, recorded={})
+    structure = discovered(at_pace, search.fitted().with_values_of(given), search, progress)
     rounds, search = [clock, *structure.rounds], structure.search
     if structure.rounds:
         rounds, search = in_time((rounds, search), reconsidered, workshop, given, base_search, rounds, search, progress)

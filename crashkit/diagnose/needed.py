@@ -5,18 +5,24 @@ from collections.abc import Sequence
 import numpy as np
 from attrs import evolve
 
+from crashkit.diagnose.evidence import Rival
 from crashkit.diagnose.look import LEAST_DROP, Round
 from crashkit.diagnose.rebuild import rebuild, without_winner
+from crashkit.diagnose.result import place_of
 from crashkit.diagnose.search import Search
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
 
+THERE = 0.05
+"""Share of what one finding explains that another at its place must explain: most of all, the error of a form looks like a
+force where it is."""
+
 
 def needed(
     workshop: Workshop, rounds: Sequence[Round], base: Search, final: Search
 ) -> tuple[tuple[Round, ...], Search, Search]:
-    """The findings without which the fit is worse by more than their price, and the fits without any and with these.
+    """The findings without which the fit is plainly worse, and the fits without any and with these.
 
     An early finding may only have led the search past a local optimum.
     """
@@ -25,9 +31,16 @@ def needed(
         others = [one for one in kept if one is not look]
         base = min(base, without_winner(base, look.rivals[0]), key=lambda search: search.deviance)
         without = rebuild(workshop, base, [one.rivals[0] for one in others], final)
-        if without is not None and without.deviance < final.deviance + price(look.rivals[0].proposal, final.misfit):
+        if without is not None and without.deviance < final.deviance + _asked(look.rivals[0], others, final.misfit):
             kept, final = others, without
     return tuple(evolve(look, before=_without(workshop, look, kept, base, final)) for look in kept), base, final
+
+
+def _asked(rival: Rival, others: Sequence[Round], misfit: Misfit) -> float:
+    """Chi squared that a finding must explain beside the others."""
+    place = place_of(rival.proposal.location)
+    there = [one.rivals[0].drop for one in others if place_of(one.rivals[0].proposal.location) == place]
+    return max([price(rival.proposal, misfit), *(THERE * drop for drop in there)])
 
 
 def _without(workshop: Workshop, look: Round, kept: Sequence[Round], base: Search, final: Search) -> Misfit:

@@ -17,6 +17,7 @@ from crashkit.diagnose.pairs import named_before_unknown
 from crashkit.diagnose.rebuild import rebuild, without_winner
 from crashkit.diagnose.result import place_of
 from crashkit.diagnose.search import Search
+from crashkit.diagnose.sharpen import check_pace
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 
@@ -96,9 +97,12 @@ def _nearby(
     if _above_noise(search) < FIFTH * _above_noise(base_search):
         (first,), search = in_best_forms(workshop, base_search, [first], search, progress)
     near = between(near, sorted([*first.rivals, *filter(is_unknown, near.rivals)], key=lambda rival: -rival.evidence))
-    if first.winner is None or search.normalised > CONCEALED:
+    winner = first.winner
+    if winner is None or search.normalised > CONCEALED:
         return near, None
-    look = look_again(workshop, given, search.fitted(), [first.winner], progress)
+    check_pace(workshop, given, winner)
+    first = first if is_unknown(near.rivals[0]) else near
+    look = look_again(workshop, given, search.fitted(), [winner], progress)
     found, _ = followed(workshop, given, base_search, [first], look, progress)
     return near, found
 
@@ -132,6 +136,8 @@ def followed(
         rounds.append(in_time(look, settled, workshop, given, look, look.winner, progress))
         search = rounds[-1].rivals[0].search
         rounds, search = in_time((rounds, search), in_best_forms, workshop, base_search, rounds, search, progress)
+        if len(rounds) == 1:
+            check_pace(workshop, given, rounds[0].rivals[0])
         if len(rounds) == MOST_FINDINGS or _is_estimated(rounds):
             break
         found = [one.rivals[0] for one in rounds]

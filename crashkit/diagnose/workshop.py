@@ -17,7 +17,7 @@ from crashkit.protocols import Hypothesis, Identifier, Observer, Smoother, Sprin
 @frozen
 class Workshop:
     """The plugins by name, an identifier for every fit, one that looks everywhere for a first, one that needs no simulation to
-    find a start, the engine and its step, s."""
+    find a start, the engine and its step, s, and the recordings as they are, where what is found may outrun thinned ones."""
 
     laws: Mapping[str, type[SpringLaw]]
     observers: Mapping[str, type[Observer]]
@@ -28,6 +28,7 @@ class Workshop:
     starter: Identifier[Any]
     engine: Engine | None = field(default=None)
     step: float = STEP
+    recorded: Mapping[str, xr.DataTree] = field(factory=dict)
 
     def misfit(self, base: Misfit, model: Model) -> Misfit:
         """The misfit of another model to the same recordings, weighed alike."""

@@ -11,7 +11,7 @@ from crashkit.diagnose.diagnosis import _is_worthless
 from crashkit.diagnose.evidence import Rival
 from crashkit.diagnose.left_out import left_out_drop
 from crashkit.diagnose.look import LEAST_DROP, Round, _is_given, _least_drop, settled
-from crashkit.diagnose.needed import needed, price
+from crashkit.diagnose.needed import _asked, needed, price
 from crashkit.diagnose.reidentify import reidentify
 from crashkit.diagnose.rounds import _corrects, reconsidered
 from crashkit.diagnose.search import begin
@@ -52,6 +52,18 @@ def test_a_finding_that_the_fit_needs_is_kept(workshop, offered):
     kept, *searches = needed(workshop, (look,), base, final)
     assert [one.rivals for one in kept] == [look.rivals]
     assert searches == [base, final]
+
+
+@pytest.mark.parametrize(("explained", "is_told"), [(1.0, True), (1e9, False)])
+def test_a_finding_at_the_place_of_another_must_explain_a_share_of_it(workshop, offered, explained, is_told):
+    """The error of that one's form looks like a force there, and a force at another place is something else."""
+    look, base, final = offered(800.0)
+    here = evolve(look, rivals=(evolve(look.rivals[0], drop=explained),))
+    asked = _asked(look.rivals[0], [here], final.misfit)
+    assert asked == pytest.approx(max(LEAST_DROP, 0.05 * explained))
+    assert (base.deviance - final.deviance > asked) is is_told
+    moved = evolve(here.rivals[0], proposal=evolve(here.rivals[0].proposal, location={"joint": "elsewhere"}))
+    assert _asked(look.rivals[0], [evolve(here, rivals=(moved,))], final.misfit) == LEAST_DROP
 
 
 def test_what_is_kept_is_seen_against_the_model_without_what_was_dropped(workshop, model, offered):

@@ -10,7 +10,7 @@ from attrs import evolve
 from crashkit.model import Body, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import forces_recorded, grid, grounded, largest_travel, proposal
-from crashkit_hypotheses.parallel_forces import REFINED, SMOOTH, falling
+from crashkit_hypotheses.parallel_forces import REFINED, SMOOTH, TAILED, falling
 
 
 class AddedMass(Hypothesis):
@@ -53,11 +53,12 @@ class GroundFriction(Hypothesis):
             "constant": (constant, ({},)),
             "smooth": (constant | SMOOTH, ({},)),
             "falling": (less, ({},)),
-            REFINED: (less | SMOOTH, ({},)),
+            REFINED[0]: (less | SMOOTH, ({},)),
+            REFINED[1]: (constant | TAILED, ({},)),
             "later": (later, grid(clearance=[share * way for share in (0.2, 0.5, 0.8)])),
         }
         told = [
             grounded(model, body, self.physics, form, "coulomb", friction, "friction_force", starts)
             for form, (friction, starts) in forms.items()
         ]
-        return [evolve(one, refined=one.form == REFINED) for one in told]
+        return [evolve(one, refined=one.form in REFINED) for one in told]

@@ -21,8 +21,10 @@ BRISTLE = 0.05
 """Of the deformation reached: length of a bristle to start from."""
 SMOOTH = {"slip_rate": Parameter(0.4, 0.01, 3.0)}
 """Of friction: how fast it slides once it is established."""
-REFINED = "smooth and falling"
-"""The form of friction that is only tried where another was found: it takes many shapes."""
+TAILED = SMOOTH | {"tail": Parameter(1.0, -0.5, 2.5)}
+"""The same where it is long in reaching its full force."""
+REFINED = ("smooth and falling", "smooth with a tail")
+"""The forms of friction that are only tried where another was found: they take many shapes."""
 SLOWEST = 0.5
 """m/s, below which friction is not asked how it changes with the rate."""
 LATEST, LAST = 0.3, 0.5
@@ -84,7 +86,8 @@ class JointFriction(Hypothesis):
             "sharp": ("coulomb", {**force, "slip_rate": Parameter(0.05, fixed=True)}),
             "smooth": ("coulomb", force | SMOOTH),
             "falling": ("coulomb", less),
-            REFINED: ("coulomb", less | SMOOTH),
+            REFINED[0]: ("coulomb", less | SMOOTH),
+            REFINED[1]: ("coulomb", force | TAILED),
             "bristles": ("dahl", {**force, "bristle_length": length}),
         }
         times = {"": 1.0, ", while compressed": 0.0} if largest_extension(motion, joint.name) > 0.0 else {"": 1.0}
@@ -94,7 +97,7 @@ class JointFriction(Hypothesis):
             for when, always in times.items()
         ]
         return [
-            evolve(parallel(model, joint, self.physics, name, law, parameters, "friction_force"), refined=form == REFINED)
+            evolve(parallel(model, joint, self.physics, name, law, parameters, "friction_force"), refined=form in REFINED)
             for form, name, law, parameters in told
         ]
 

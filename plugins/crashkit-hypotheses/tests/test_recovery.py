@@ -168,6 +168,12 @@ def rubbing(model):
     return with_joint(model, Joint("rub", ("wall", "front"), "coulomb", fixed(friction_force=4e3, slip_rate=0.05)))
 
 
+def creeping(model):
+    """Friction whose full force is only reached far above its slip rate."""
+    friction = fixed(friction_force=8e3, slip_rate=0.5, tail=1.0)
+    return with_joint(model, Joint("rub", ("wall", "front"), "coulomb", friction))
+
+
 def bristling(model):
     bristles = fixed(friction_force=5e3, bristle_length=0.04)
     return with_joint(model, Joint("rub", ("wall", "front"), "dahl", bristles))
@@ -349,6 +355,10 @@ CASES = {
         {"peak_deformation": 0.15},
     ),
     rubbing: (("joint_friction", "sharp", {"joint": "first"}), {"friction_force": 4e3}),
+    creeping: (
+        ("joint_friction", "smooth with a tail", {"joint": "first"}),
+        {"friction_force": 8e3, "slip_rate": 0.5, "tail": 1.0},
+    ),
     bristling: (
         ("joint_friction", "bristles", {"joint": "first"}),
         {"friction_force": 5e3, "bristle_length": 0.04},

@@ -18,11 +18,12 @@ ALWAYS = ParameterSpec(
 
 
 class Coulomb(SpringLaw):
-    """Dry friction: F = friction_force tanh(ddot / slip_rate) (1 + stick exp(-(ddot / stick_rate)^2)) g(d).
+    """Dry friction: F = friction_force s(ddot / slip_rate) (1 + stick exp(-(ddot / stick_rate)^2)) g(d).
 
-    g = max(always, min(1, max(0, d - clearance) / engagement)). With `stick` it falls with the rate (Stribeck). Smooth,
-    because a force that jumps with the sign of the rate would hold the joint on its jump. So what should stick creeps, by at
-    most slip_rate; friction that sticks is `dahl`.
+    s(x) = (1 - tail) tanh x + tail 2/pi atan(pi x / 2);  g = max(always, min(1, max(0, d - clearance) / engagement)).
+    With `stick` it falls with the rate (Stribeck); with `tail` it is long in reaching its full force. Smooth, because a force
+    that jumps with the sign of the rate would hold the joint on its jump. So what should stick creeps, by at most slip_rate;
+    friction that sticks is `dahl`.
     """
 
     name = "coulomb"
@@ -34,6 +35,7 @@ class Coulomb(SpringLaw):
         ParameterSpec("stick", "1", "relative rise of the force at low rates", lower=-0.9, upper=9.0, default=0.0, null=0.0),
         ParameterSpec("stick_rate", "m s-1", "rate above which that is lost", lower=1e-2, default=1.0, free=False),
         CLEARANCE,
+        ParameterSpec("tail", "1", "0: reached like a tanh, 1: like an atan", lower=-0.5, upper=2.5, default=0.0, null=0.0),
     )
 
     @staticmethod
@@ -48,12 +50,13 @@ class Coulomb(SpringLaw):
         stick: float,
         stick_rate: float,
         clearance: float,
+        tail: float,
     ) -> float:
         """The force, N, compression positive."""
+        slip = ddot / slip_rate
+        share = (1.0 - tail) * math.tanh(slip) + tail * math.atan(0.5 * math.pi * slip) / (0.5 * math.pi)
         level = 1.0 + stick * math.exp(-((ddot / stick_rate) ** 2))
-        return (
-            friction_force * math.tanh(ddot / slip_rate) * level * max(always, min(1.0, max(0.0, d - clearance) / engagement))
-        )
+        return friction_force * share * level * max(always, min(1.0, max(0.0, d - clearance) / engagement))
 
 
 class Dahl(SpringLaw):

@@ -80,6 +80,7 @@ EXAMPLES = [
     (Coulomb, {"friction_force": 5e3}),
     (Coulomb, {"friction_force": 5e3, "slip_rate": 0.5, "always": 0.0, "clearance": 0.1}),
     (Coulomb, {"friction_force": 5e3, "stick": 0.6, "stick_rate": 2.0}),
+    (Coulomb, {"friction_force": 5e3, "slip_rate": 0.5, "tail": 1.0}),
     (Dahl, {"friction_force": 5e3, "bristle_length": 0.02}),
     (Dahl, {"friction_force": 5e3, "bristle_length": 0.05, "always": 0.0}),
     (LinearStop, {"stiffness": 1e6, "stop_deformation": 0.3}),
