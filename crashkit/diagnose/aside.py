@@ -16,8 +16,8 @@ from crashkit.model import Model
 from crashkit.protocols import Proposal
 
 CLOCK = "clock_offset"
-ALIKE = 0.1
-"""Share of an offset by which bodies may differ on it."""
+ALIKE = 0.2
+"""Share of an offset by which bodies may differ on it: short pulses and filters falsify it by a tenth."""
 LEFT = 2.0
 """What a clock may leave of a contradiction, in units of noise: filters are in no check."""
 
@@ -60,7 +60,7 @@ def late_clocks(checks: xr.Dataset) -> dict[str, float]:
     late = worst.where((worst["sigma"] > SIGNIFICANT) & (worst["error"] == CLOCK), drop=True)
     if not late.sizes["check"]:
         return {}
-    plainest = late.isel(check=int(late["sigma"].values.argmax()))
+    plainest = late.isel(check=int((late["sigma"] / late["left"]).values.argmax()))
     film, accelerometer, offset = (plainest[name].item() for name in ("film", "accelerometer", "estimate"))
     clocks = checks.where((checks["film"] == film) & (checks["accelerometer"] == accelerometer), drop=True)
     clocks = clocks.where(clocks["error"] == CLOCK, drop=True)

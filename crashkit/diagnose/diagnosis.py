@@ -25,6 +25,7 @@ from crashkit.diagnose.search import STEPS, Search, begin
 from crashkit.diagnose.sharpen import ROUGHLY, OutrunError, in_the_light_of, sharpened, weighed_alike
 from crashkit.diagnose.show import action_of, identified_table, limits_table, missing_force_tree, ranking_table, units_of
 from crashkit.diagnose.thinning import thinned_by
+from crashkit.diagnose.twins import beside_twins
 from crashkit.diagnose.words import cut_short, noted, nothing_predicted, summarise
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit, fine_step
@@ -93,6 +94,7 @@ def _explained(
         base = sharpened(equipped, model, recordings, base)
     discovery = _discovered(equipped, model, recordings, given, base, rivals, progress)
     progress.show("refining", 0.0)
+    discovery = beside_twins(equipped, discovery)
     return equipped, _refined(equipped, discovery, model, recordings)
 
 

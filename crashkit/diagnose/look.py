@@ -25,6 +25,8 @@ quite right, and a form that is wrong by 10 % of its effect leaves the first. Th
 are wrong are not."""
 READINGS = 0.2
 """How much of that a claim about one instrument must explain: the error of a form shows in all of them."""
+EXACT = 0.1
+"""How much of what such a claim explained itself counts, if it has but one number: an offset has hardly a form to be wrong."""
 
 
 @frozen
@@ -86,17 +88,25 @@ def look_again(
 
 def _least_drop(found: Sequence[Rival]) -> float:
     """What a further finding must explain, in chi squared."""
-    return (
-        max(LEAST_DROP, FORM_ERRORS[min(len(found), len(FORM_ERRORS)) - 1] * sum(rival.drop for rival in found))
-        if found
-        else LEAST_DROP
-    )
+    if not found:
+        return LEAST_DROP
+    explained = sum(rival.drop * (EXACT if _is_exact(rival.proposal) else 1.0) for rival in found)
+    return max(LEAST_DROP, FORM_ERRORS[min(len(found), len(FORM_ERRORS)) - 1] * explained)
+
+
+def _is_exact(proposal: Proposal) -> bool:
+    """Whether it is one number of an instrument."""
+    return _is_of_readings(proposal) and len(proposal.parameters) == 1
 
 
 def _least_of(proposal: Proposal, least: float) -> float:
     """What this claim must explain where `least` is asked of one about the structure."""
-    is_of_readings = not {"sensor", "instrument"}.isdisjoint(proposal.location)
-    return max(LEAST_DROP, READINGS * least) if is_of_readings else least
+    return max(LEAST_DROP, READINGS * least) if _is_of_readings(proposal) else least
+
+
+def _is_of_readings(proposal: Proposal) -> bool:
+    """Whether it says no more than what an instrument reads."""
+    return not {"sensor", "instrument"}.isdisjoint(proposal.location)
 
 
 def _is_given(model: Model, location: Mapping[str, object]) -> bool:

@@ -123,12 +123,14 @@ def test_a_finding_that_is_questioned_stays_unless_it_explains_too_little(monkey
 
 
 def test_a_third_finding_must_explain_more_than_a_second():
-    def rival(drop):
-        return Rival(Proposal("fracture", "", {"joint": "front"}, None, (), {}), None, drop, 0.5 * drop)
+    def rival(drop, kind="joint", numbers=("one",)):
+        return Rival(Proposal("fracture", "", {kind: "front"}, None, numbers, {}), None, drop, 0.5 * drop)
 
     assert _least_drop([]) == _least_drop([rival(100.0)]) == LEAST_DROP
     assert _least_drop([rival(1e5)]) == pytest.approx(1000.0)
     assert _least_drop([rival(1e5), rival(1e4)]) == pytest.approx(3300.0)
+    assert _least_drop([rival(1e5, "instrument")]) == pytest.approx(100.0)
+    assert _least_drop([rival(1e5, "sensor", ("one", "two"))]) == pytest.approx(1000.0)
 
 
 def test_what_a_finding_has_added_is_no_place_for_more(model):
