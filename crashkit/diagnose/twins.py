@@ -1,15 +1,17 @@
 """Claims that take the numbers of a finding to another place: what no recording tells apart shares its odds."""
 
+from collections.abc import Sequence
+
 from attrs import evolve
 
-from crashkit.diagnose.contest import identity
+from crashkit.diagnose.contest import Entrant, heats, identity
 from crashkit.diagnose.evidence import Rival, best_forms, ranked_by_evidence
 from crashkit.diagnose.forms import with_form
 from crashkit.diagnose.look import Round, between, is_unknown
 from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.rebuild import rebuild
 from crashkit.diagnose.rounds import Discovery
-from crashkit.diagnose.search import advance_all, begin, begin_all, weighed
+from crashkit.diagnose.search import begin, begin_all
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 
@@ -28,28 +30,28 @@ def beside_twins(workshop: Workshop, discovery: Discovery) -> Discovery:
 
 def _beside_twins(workshop: Workshop, discovery: Discovery, look: Round) -> Round:
     winner = look.rivals[0]
-    search, numbers = winner.search, _numbers(winner)
     others = [one.rivals[0] for one in discovery.rounds if one is not look]
-    here = [other for other in others if _is_in(other, search.misfit) and not _is_in(other, look.before)]
-    without = rebuild(workshop, begin(workshop.identifier, look.before), here, search)
-    if without is None or is_unknown(winner):
-        return look
-    origin = without.misfit.with_values_of(search.fitted())
-    told = [other.rivals[0].identity for other in discovery.rounds]
-    everything = propose_all(workshop.hypotheses, origin)
-    twins = [p for p in everything if identity(p) not in told and {_short(path) for path in p.parameters} == set(numbers)]
-    if not twins:
-        return look
+    twins = [] if is_unknown(winner) else _twins(workshop, look, others)
+    fitted = heats(twins, HEATS, lambda doing, share: None) if twins else []
+    rivals = [*look.rivals[1:], *ranked_by_evidence(fitted, winner.search.deviance + winner.drop)]
+    return between(look, [winner, *best_forms(sorted(rivals, key=lambda rival: -rival.evidence))]) if twins else look
+
+
+def _twins(workshop: Workshop, look: Round, others: Sequence[Rival]) -> list[Entrant]:
+    """Searches of all claims of the same numbers, from where they are, beside what the finding was fitted beside."""
+    winner = look.rivals[0]
+    numbers = _numbers(winner)
+    here = [other for other in others if _is_in(other, winner.search.misfit) and not _is_in(other, look.before)]
+    without = rebuild(workshop, begin(workshop.identifier, look.before), here, winner.search)
+    if without is None:
+        return []
+    origin, known = without.misfit.with_values_of(winner.search.fitted()), {rival.identity for rival in (winner, *others)}
+    alike = [p for p in propose_all(workshop.hypotheses, origin) if {_short(path) for path in p.parameters} == set(numbers)]
+    twins = [twin for twin in alike if identity(twin) not in known]
     equipped = workshop.equipped([twin.model for twin in twins])
     starts = [{path: numbers[_short(path)] for path in twin.parameters} for twin in twins]
     misfits = [with_form(equipped, origin, twin, start) for twin, start in zip(twins, starts, strict=True)]
-    entrants = list(zip(twins, begin_all(workshop.identifier, misfits), strict=True))
-    for size, steps in HEATS:
-        ahead = sorted(entrants, key=lambda entrant: entrant[1].state.cost)[:size]
-        entrants = list(zip((p for p, _ in ahead), advance_all([s for _, s in ahead], steps), strict=True))
-    fitted = zip((p for p, _ in entrants), weighed([s for _, s in entrants]), strict=True)
-    rivals = [*look.rivals[1:], *ranked_by_evidence(fitted, search.deviance + winner.drop)]
-    return between(look, [winner, *best_forms(sorted(rivals, key=lambda rival: -rival.evidence))])
+    return list(zip(twins, begin_all(workshop.identifier, misfits), strict=True))
 
 
 def _numbers(rival: Rival) -> dict[str, float]:
