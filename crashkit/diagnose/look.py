@@ -7,9 +7,10 @@ import numpy as np
 from attrs import evolve, field, frozen
 
 from crashkit.diagnose.contest import Progress, identity
-from crashkit.diagnose.evidence import Rival, best_forms, explains, probabilities
+from crashkit.diagnose.evidence import Rival, best_forms, explains, probabilities, ranked_by_evidence
 from crashkit.diagnose.name import Limit, again, further_rivals, nearest_rivals, propose_all
 from crashkit.diagnose.result import UNKNOWN
+from crashkit.diagnose.search import STEPS, advance_all, begin_all
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.model import Model
@@ -27,6 +28,9 @@ READINGS = 0.2
 """How much of that a claim about one instrument must explain: the error of a form shows in all of them."""
 EXACT = 0.1
 """How much of what such a claim explained itself counts, if it has but one number: an offset has hardly a form to be wrong."""
+
+CHALLENGERS = 2
+"""How many simpler rivals a winner is challenged by."""
 
 
 @frozen
@@ -125,7 +129,11 @@ def between(look: Round, rivals: Sequence[Rival]) -> Round:
 
 
 def settled(workshop: Workshop, given: Misfit, look: Round, winner: Rival, progress: Progress) -> Round:
-    """The round with its winner re-identified, where something is left, or numbers are strained."""
+    """The round with its winner re-identified, where something is left, or numbers are strained; then challenged."""
+    return _challenged(workshop, _reidentified(workshop, given, look, winner, progress))
+
+
+def _reidentified(workshop: Workshop, given: Misfit, look: Round, winner: Rival, progress: Progress) -> Round:
     if explains(winner.search) or is_unknown(winner):
         return look
     found = again(workshop, given, winner, progress)
@@ -134,6 +142,25 @@ def settled(workshop: Workshop, given: Misfit, look: Round, winner: Rival, progr
         return look
     better = evolve(winner, search=found, drop=winner.drop + gained, evidence=winner.evidence + 0.5 * gained)
     return evolve(look, rivals=(better, *look.rivals[1:]))
+
+
+def _challenged(workshop: Workshop, look: Round) -> Round:
+    """The round with simpler rivals fitted from where its winner has driven the model's own numbers.
+
+    A load on a stiff tie is a mass that is wrong, and says so in more numbers; the mass may only have stayed in a valley.
+    """
+    winner, *others = look.rivals
+    size = len(winner.proposal.parameters)
+    simpler = [rival for rival in others if not is_unknown(rival) and len(rival.proposal.parameters) < size][:CHALLENGERS]
+    if is_unknown(winner) or not simpler:
+        return look
+    misfits = [rival.search.fitted().with_values_of(winner.search.fitted()) for rival in simpler]
+    searches = advance_all(begin_all(workshop.identifier, misfits), STEPS)
+    fitted = ranked_by_evidence(
+        zip((r.proposal for r in simpler), searches, strict=True), winner.search.deviance + winner.drop
+    )
+    ranked = best_forms(sorted([*look.rivals, *fitted], key=lambda rival: -rival.evidence))
+    return between(look, ranked) if ranked[0].identity != winner.identity and not is_unknown(ranked[0]) else look
 
 
 def is_unknown(rival: Rival) -> bool:

@@ -30,20 +30,15 @@ class Rotation(Hypothesis):
         """Every body that moves and carries sensors, if the model is on a line: in the plane bodies turn."""
         if len(model.axes) > 1:
             return []
-        duration = max(float(run["time"].values[-1]) for run in motion)
+        duration = longest(motion)
         sensors = accused(model, recordings, ERRORS)
         moving = [body.name for body in model.bodies if not body.fixed]
         riders = {name: [one for one in sensors if one.body == name] for name in moving}
         return [self._rocking(model, name, own, duration) for name, own in riders.items() if own]
 
     def _rocking(self, model: Model, name: str, sensors: Sequence[Accused], duration: float) -> Proposal:
-        shape = {
-            "rocking_share": Parameter(0.0, -2.0, 2.0),
-            "rocking_frequency": Parameter(1.0 / duration, FEWEST / duration, MOST / duration),
-            "rocking_damping": Parameter(0.3, 0.01, 0.95),
-        }
         for one in sensors:
-            for error, parameter in shape.items():
+            for error, parameter in rocking(duration).items():
                 model = with_instrument_error(model, one.instrument, one.sensor, error, parameter)
         frequencies = [f"{one.prefix}rocking_frequency" for one in sensors]
         starts = [turns / duration for turns in TURNS]
@@ -56,3 +51,17 @@ class Rotation(Hypothesis):
             {f"{one.prefix}rocking_share": 0.0 for one in sensors},
             tuple(dict.fromkeys(frequencies, start) for start in starts),
         )
+
+
+def rocking(duration: float) -> dict[str, Parameter]:
+    """What a sensor reads of a movement that no axis of the model has, in runs of this length, s."""
+    return {
+        "rocking_share": Parameter(0.0, -2.0, 2.0),
+        "rocking_frequency": Parameter(1.0 / duration, FEWEST / duration, MOST / duration),
+        "rocking_damping": Parameter(0.3, 0.01, 0.95),
+    }
+
+
+def longest(motion: Sequence[xr.Dataset]) -> float:
+    """s, of these runs."""
+    return max(float(run["time"].values[-1]) for run in motion)

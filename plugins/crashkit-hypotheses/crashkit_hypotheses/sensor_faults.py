@@ -11,12 +11,13 @@ from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.accused import Accused, accused, fault
 from crashkit_hypotheses.build import grid
 from crashkit_hypotheses.ringing import HIGHEST, LOWEST, ringing_frequencies
+from crashkit_hypotheses.rotation import ERRORS, TURNS, longest, rocking
 
 UNCLIPPED = 1e4
 """Limit, in largest readings, that no motion reaches, and towards which none bends."""
 LEANS, STEEPEST = (-0.3, 0.3), 1.2
 """Angles of a sensor that leans towards gravity, rad: to start from, and at most."""
-
+LEANING = {"lean": Parameter(0.0, -STEEPEST, STEEPEST), "bias": Parameter(0.0, -2.0 * g, 2.0 * g)}
 LIMITS = {"limit": "saturation", "above": "saturation_above", "below": "saturation_below", "soft": "saturation_soft"}
 """The errors of a sensor that clips, by form."""
 
@@ -71,7 +72,8 @@ class Misalignment(Hypothesis):
     """recorded = R(tilt) e . true, or (e + transverse) . true, for a channel along e.
 
     On a line, recorded = cos(lean) true + g sin(lean) + b. The offset b is 0 where gravity was not balanced out before the
-    shock. Where all of it was, this is a gain below 1, as `GainError` says.
+    shock. Where all of it was, this is a gain below 1, as `GainError` says. Where the body also moves along the other axis,
+    swinging as it is braked, the sensor reads a share of that (see `Rotation`) which no film of the body shows.
     """
 
     physics: ClassVar[str] = "misalignment"
@@ -81,7 +83,9 @@ class Misalignment(Hypothesis):
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every sensor with several axes: tilted, and with transverse sensitivity; on a line, those that can lean."""
         if len(model.axes) == 1:
-            return [self._leaning(model, one) for one in accused(model, recordings, ["lean", "bias"])]
+            sensors = accused(model, recordings, ["lean", "bias", *ERRORS])
+            heaving = [self._heaving(model, one, longest(motion)) for one in sensors] if motion else []
+            return [*(self._leaning(model, one) for one in sensors), *heaving]
         tilts = [f"tilt_{axis}" for axis in _turning_axes(model)]
         shares = [f"transverse_{axis}" for axis in model.axes]
         return [
@@ -92,8 +96,12 @@ class Misalignment(Hypothesis):
         ]
 
     def _leaning(self, model: Model, one: Accused) -> Proposal:
-        errors = {"lean": Parameter(0.0, -STEEPEST, STEEPEST), "bias": Parameter(0.0, -2.0 * g, 2.0 * g)}
-        return fault(self.physics, "lean", model, one, errors, "lean", grid(lean=LEANS))
+        return fault(self.physics, "lean", model, one, LEANING, "lean", grid(lean=LEANS))
+
+    def _heaving(self, model: Model, one: Accused, duration: float) -> Proposal:
+        errors = rocking(duration) | LEANING
+        starts = grid(rocking_frequency=[turns / duration for turns in TURNS])
+        return fault(self.physics, "lean, heaving", model, one, errors, "rocking_share", starts)
 
 
 def _turning_axes(model: Model) -> tuple[str, ...]:

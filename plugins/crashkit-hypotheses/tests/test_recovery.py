@@ -168,12 +168,6 @@ def rubbing(model):
     return with_joint(model, Joint("rub", ("wall", "front"), "coulomb", fixed(friction_force=4e3, slip_rate=0.05)))
 
 
-def creeping(model):
-    """Friction whose full force is only reached far above its slip rate."""
-    friction = fixed(friction_force=8e3, slip_rate=0.5, tail=1.0)
-    return with_joint(model, Joint("rub", ("wall", "front"), "coulomb", friction))
-
-
 def bristling(model):
     bristles = fixed(friction_force=5e3, bristle_length=0.04)
     return with_joint(model, Joint("rub", ("wall", "front"), "dahl", bristles))
@@ -316,6 +310,12 @@ def leaning(model):
     return with_error(model, "rear_sensor", lean=-0.35)
 
 
+def heaving(model):
+    """The rear also moves up and down, which only the sensor that leans sees."""
+    errors = {"rocking_share": 0.3, "rocking_frequency": 6.0, "rocking_damping": 0.15}
+    return with_error(model, "rear_sensor", lean=0.3, **errors)
+
+
 def shifting(model):
     return with_error(model, "rear_sensor", zero_shift=9.0, zero_shift_time=0.06, zero_shift_rise=5e-4)
 
@@ -355,10 +355,6 @@ CASES = {
         {"peak_deformation": 0.15},
     ),
     rubbing: (("joint_friction", "sharp", {"joint": "first"}), {"friction_force": 4e3}),
-    creeping: (
-        ("joint_friction", "smooth with a tail", {"joint": "first"}),
-        {"friction_force": 8e3, "slip_rate": 0.5, "tail": 1.0},
-    ),
     bristling: (
         ("joint_friction", "bristles", {"joint": "first"}),
         {"friction_force": 5e3, "bristle_length": 0.04},
@@ -402,6 +398,7 @@ CASES = {
     rocking: (("rotation", "rocking", {"body": "rear"}), {"rocking_frequency": 9.0, "rocking_damping": 0.2}),
     pitching: (("rotation", "rocking", {"body": "rear"}), {}),
     leaning: (("misalignment", "lean", {"sensor": "rear_sensor"}), {"lean": -0.35, "bias": 0.0}),
+    heaving: (("misalignment", "lean, heaving", {"sensor": "rear_sensor"}), {"lean": 0.3, "rocking_frequency": 6.0}),
     shifting: (("bias", "shift", {"sensor": "rear_sensor"}), {"zero_shift": 9.0, "zero_shift_time": 0.06}),
     bending: (("saturation", "soft", {"sensor": "rear_sensor"}), {"saturation_soft": 120.0}),
     drifting: (("bias", "drift", {"sensor": "rear_sensor"}), {"bias": 2.0, "bias_drift": 30.0}),

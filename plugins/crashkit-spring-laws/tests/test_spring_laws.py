@@ -286,6 +286,13 @@ def test_rate_factors():
     assert both_ways == pytest.approx([1.0 - 0.1 * math.asinh(6.0), 1.0 + 0.1 * math.asinh(6.0), 0.0])
 
 
+@pytest.mark.parametrize("rate", [0.01, 0.3, 5.0])
+def test_friction_may_be_long_in_reaching_its_full_force(rate):
+    tailed = value(Coulomb, 0.1, rate, friction_force=100.0, slip_rate=0.2, tail=1.0)
+    assert tailed == pytest.approx(200.0 / np.pi * np.arctan(0.5 * np.pi * rate / 0.2))
+    assert tailed <= value(Coulomb, 0.1, rate, friction_force=100.0, slip_rate=0.2)
+
+
 def test_peak_comes_once():
     shape = {"peak_force": 5e4, "peak_deformation": 0.1}
     assert value(Peak, 0.1, **shape) == pytest.approx(5e4)
