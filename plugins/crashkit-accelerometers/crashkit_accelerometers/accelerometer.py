@@ -54,8 +54,6 @@ class Accelerometer(PlainObserver):
     def predict(self, motion: xr.Dataset, instrument: xr.Dataset, errors: SensorErrors | None = None) -> xr.Dataset:
         """The sensors' accelerations, as `Observer.predict` says."""
         own = own_errors(self, instrument, errors)
-        if instrument.sizes["axis"] > 1 and own["lean"].any():
-            raise CrashkitError("accelerometer: expected lean in models on a line only, found it with several axes; use tilt")
         bodies = bodies_of(self, motion, instrument)
         if "orientation" in motion.variables:
             felt = felt_by_points(motion, bodies, _points(instrument, own), instrument.attrs.get("frame") == "body")

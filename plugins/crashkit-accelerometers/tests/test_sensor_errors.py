@@ -167,11 +167,6 @@ def test_an_error_of_one_axis_leaves_the_others_alone(turning, sensors) -> None:
     np.testing.assert_allclose(read, expected, atol=1e-9)
 
 
-def test_a_sensor_leans_in_models_on_a_line_only(turning, sensors) -> None:
-    with pytest.raises(CrashkitError, match="expected lean in models on a line only, found it with several axes; use tilt"):
-        Accelerometer().predict(turning(TIMES), sensors([[0.0, 0.0, 0.0]], TIMES), {"s0": {"lean": 0.1}})
-
-
 def test_a_position_is_of_a_whole_sensor(turning, sensors) -> None:
     with pytest.raises(CrashkitError, match="expected the position errors of whole sensors, found those of single axes"):
         Accelerometer().predict(turning(TIMES), sensors([[0.1, 0.2, 0.3]], TIMES), {"s0/y": {"position_x": 0.1}})
