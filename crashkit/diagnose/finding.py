@@ -7,7 +7,7 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.diagnose.evidence import Rival
-from crashkit.diagnose.result import UNKNOWN, Alternative, Estimate, Finding, place_of
+from crashkit.diagnose.result import UNKNOWN, Alternative, Estimate, Finding, own_name, place_of
 from crashkit.protocols import Hypothesis, Identification
 
 ACTIVE = 0.1
@@ -21,7 +21,7 @@ def estimates(rival: Rival, identified: Identification, units: Mapping[str, str]
     table = identified.parameters
     known = set(table["parameter"].values)
     rows = {path: table.sel(parameter=path) for path in rival.proposal.parameters if path in known}
-    short = [_short(path) for path in rows]
+    short = [own_name(path) for path in rows]
     told = {path: name if short.count(name) == 1 else path for path, name in zip(rows, short, strict=True)}
     return {told[path]: Estimate(float(r["value"]), float(r["std"]), units.get(path, "")) for path, r in rows.items()}
 
@@ -84,11 +84,6 @@ def stand_ins(findings: Sequence[Finding], sentence: str) -> Finding:
 
 def _told(location: Mapping[str, object]) -> dict[str, object]:
     return {key: list(value) if isinstance(value, tuple) else value for key, value in location.items()}
-
-
-def _short(path: str) -> str:
-    """`joint.front.crush_force` gives `crush_force`."""
-    return path.rsplit(".", 1)[-1]
 
 
 def _strongest(action: Mapping[str, xr.Dataset]) -> str:

@@ -129,6 +129,11 @@ def place_of(location: Mapping[str, object]) -> str:
     return f"{kind} {names}"
 
 
+def own_name(path: str) -> str:
+    """What a parameter is called where it is: `joint.front.crush_force` gives `crush_force`."""
+    return path.rsplit(".", 1)[-1]
+
+
 def run_name(path: PurePath | str) -> str:
     """The name of a run in results: its file name."""
     return PurePath(path).name

@@ -94,7 +94,7 @@ def _nearby(
         return near, None
     first = settled(workshop, given, between(near, known), known[0], progress)
     search = first.rivals[0].search
-    if _above_noise(search) < FIFTH * _above_noise(base_search):
+    if search.excess < FIFTH * base_search.excess:
         (first,), search = in_best_forms(workshop, base_search, [first], search, progress)
     near = between(near, sorted([*first.rivals, *filter(is_unknown, near.rivals)], key=lambda rival: -rival.evidence))
     winner = first.winner
@@ -105,11 +105,6 @@ def _nearby(
     look = look_again(workshop, given, search.fitted(), [winner], progress)
     found, _ = followed(workshop, given, base_search, [first], look, progress)
     return near, found
-
-
-def _above_noise(search: Search) -> float:
-    """Of the mean square residual, in units of noise."""
-    return search.normalised**2 - 1.0
 
 
 def _widely(workshop: Workshop, given: Misfit, base_search: Search, near: Round, progress: Progress) -> Discovery:

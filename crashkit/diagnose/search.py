@@ -54,6 +54,11 @@ class Search:
         """Root mean square residual over noise; 1 is the noise floor."""
         return float(np.sqrt(2.0 * self.state.cost / self.misfit.independent_samples))
 
+    @property
+    def excess(self) -> float:
+        """Of the mean square residual, in units of noise, above the noise floor."""
+        return self.normalised**2 - 1.0
+
     def advance(self, steps: int) -> "Search":
         """At most so many steps further."""
         search = self

@@ -41,12 +41,8 @@ def check_pace(workshop: Workshop, given: Misfit, found: Rival) -> None:
     if not workshop.recorded or is_unknown(found) or left.normalised < FLOOR:
         return
     finer = sharpened(workshop.equipped([left.misfit.model]), given.model, workshop.recorded, left)
-    if _above_noise(finer) < THINNED * _above_noise(left):
+    if finer.excess < THINNED * left.excess:
         raise OutrunError(evolve(found, search=finer))
-
-
-def _above_noise(search: Search) -> float:
-    return search.normalised**2 - 1.0
 
 
 def sharpened(workshop: Workshop, model: Model, recordings: Mapping[str, xr.DataTree], search: Search) -> Search:

@@ -9,7 +9,7 @@ from crashkit.campaign import spread
 from crashkit.diagnose.evidence import Rival
 from crashkit.diagnose.forces import binned, missing_force, on_joint, recorded_motion
 from crashkit.diagnose.left_out import left_out_drop
-from crashkit.diagnose.result import place_of
+from crashkit.diagnose.result import own_name, place_of
 from crashkit.diagnose.rounds import Discovery
 from crashkit.diagnose.workshop import Workshop
 from crashkit.mechanics.along import forces_along
@@ -60,7 +60,7 @@ def _limit_row(
 ) -> tuple[str, str, str, str, float, str]:
     path = proposal.parameters[0]
     unit = units_of(proposal.model, groups, workshop).get(path, "")
-    return proposal.physics, proposal.form, place_of(proposal.location), path.rsplit(".", 1)[-1], smallest, unit
+    return proposal.physics, proposal.form, place_of(proposal.location), own_name(path), smallest, unit
 
 
 def identified_table(discovery: Discovery, result: Identification, units: Mapping[str, str]) -> xr.Dataset:

@@ -10,6 +10,7 @@ from crashkit.diagnose.forms import with_form
 from crashkit.diagnose.look import Round, between, is_unknown
 from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.rebuild import rebuild
+from crashkit.diagnose.result import own_name
 from crashkit.diagnose.rounds import Discovery
 from crashkit.diagnose.search import begin, begin_all
 from crashkit.diagnose.workshop import Workshop
@@ -46,10 +47,10 @@ def _twins(workshop: Workshop, look: Round, others: Sequence[Rival]) -> list[Ent
     if without is None:
         return []
     origin, known = without.misfit.with_values_of(winner.search.fitted()), {rival.identity for rival in (winner, *others)}
-    alike = [p for p in propose_all(workshop.hypotheses, origin) if {_short(path) for path in p.parameters} == set(numbers)]
+    alike = [p for p in propose_all(workshop.hypotheses, origin) if {own_name(path) for path in p.parameters} == set(numbers)]
     twins = [twin for twin in alike if identity(twin) not in known]
     equipped = workshop.equipped([twin.model for twin in twins])
-    starts = [{path: numbers[_short(path)] for path in twin.parameters} for twin in twins]
+    starts = [{path: numbers[own_name(path)] for path in twin.parameters} for twin in twins]
     misfits = [with_form(equipped, origin, twin, start) for twin, start in zip(twins, starts, strict=True)]
     return list(zip(twins, begin_all(workshop.identifier, misfits), strict=True))
 
@@ -57,13 +58,9 @@ def _twins(workshop: Workshop, look: Round, others: Sequence[Rival]) -> list[Ent
 def _numbers(rival: Rival) -> dict[str, float]:
     """What a claim adds, by the names in its law."""
     values = rival.search.misfit.values(rival.search.point)
-    return {_short(path): values[path] for path in rival.proposal.parameters if path in values}
+    return {own_name(path): values[path] for path in rival.proposal.parameters if path in values}
 
 
 def _is_in(rival: Rival, misfit: Misfit) -> bool:
     """Whether what a claim adds is free in a model."""
     return set(rival.proposal.parameters) <= set(misfit.names)
-
-
-def _short(path: str) -> str:
-    return path.rsplit(".", 1)[-1]

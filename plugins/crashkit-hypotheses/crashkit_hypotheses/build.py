@@ -1,7 +1,7 @@
 """How the hypotheses of this distribution add a joint or a factor, and read the motion for sizes to start from."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from itertools import product
+from itertools import combinations, product
 
 import numpy as np
 import xarray as xr
@@ -12,6 +12,8 @@ from crashkit.model.edit import fresh_name, with_factor, with_joint
 from crashkit.protocols import Proposal
 from crashkit.registry import load
 
+NEARER = 1e-3
+"""m, least approach of two bodies that may touch."""
 NEVER_TURNS = 1e9
 """m2, moment of inertia over mass of a body that does not turn."""
 
@@ -103,6 +105,22 @@ def grounded(
     return proposal(physics, form, {"body": body.name}, augmented, f"joint.{name}.", parameters, amplitude, starts)
 
 
+def between(
+    model: Model,
+    pair: tuple[str, str],
+    physics: str,
+    form: str,
+    law: str,
+    parameters: Mapping[str, Parameter | tuple[Parameter, ...]],
+    amplitude: str,
+    starts: Iterable[Mapping[str, float]] = ({},),
+) -> Proposal:
+    """A joint between two bodies that have none."""
+    name = fresh_name(f"{pair[0]}_{pair[1]}_{physics}", (joint.name for joint in model.joints))
+    augmented = with_joint(model, Joint(name, pair, law, dict(parameters)))
+    return proposal(physics, form, {"bodies": list(pair)}, augmented, f"joint.{name}.", parameters, amplitude, starts)
+
+
 def proposal(
     physics: str,
     form: str,
@@ -180,6 +198,15 @@ def _travel(position: xr.DataArray) -> float:
 def largest_approach(motions: Sequence[xr.Dataset], first: str, second: str) -> float:
     """m, by how much two bodies come closer than they were at t = 0, over all runs."""
     return max(_approach(motion["position"].sel(body=first) - motion["position"].sel(body=second)) for motion in motions)
+
+
+def approaching(model: Model, motions: Sequence[xr.Dataset]) -> dict[tuple[str, str], float]:
+    """The pairs of bodies without a joint that come closer than they were, and by how much, m."""
+    joined = {frozenset(joint.bodies) for joint in model.joints}
+    pairs = [(a, b) for a, b in combinations(model.bodies, 2) if not (a.fixed and b.fixed) and a.position != b.position]
+    free = [(a.name, b.name) for a, b in pairs if {a.name, b.name} not in joined]
+    reached = {pair: largest_approach(motions, *pair) for pair in free}
+    return {pair: approach for pair, approach in reached.items() if approach > NEARER}
 
 
 def _approach(separation: xr.DataArray) -> float:

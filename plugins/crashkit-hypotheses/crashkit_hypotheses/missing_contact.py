@@ -1,15 +1,13 @@
 """Two bodies touch that the model does not join."""
 
 from collections.abc import Mapping, Sequence
-from itertools import combinations
 from typing import ClassVar
 
 import xarray as xr
 
-from crashkit.model import Joint, Model, Parameter
-from crashkit.model.edit import fresh_name, with_joint
+from crashkit.model import Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import grid, largest_approach, proposal
+from crashkit_hypotheses.build import approaching, between, grid
 
 LINE = (0.1, 0.4, 0.6, 0.8, 0.93)
 """Gaps to start from, relative to the approach."""
@@ -31,12 +29,7 @@ class MissingContact(Hypothesis):
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every pair of bodies without a joint that come closer than they were."""
-        joined = {frozenset(joint.bodies) for joint in model.joints}
-        pairs = [(a, b) for a, b in combinations(model.bodies, 2) if not (a.fixed and b.fixed)]
-        free = [(a.name, b.name) for a, b in pairs if {a.name, b.name} not in joined and a.position != b.position]
-        reached = {pair: largest_approach(motion, *pair) for pair in free}
-        near = [pair for pair in free if reached[pair] > 1e-3]
-        return [form for pair in near for form in self._forms(model, pair, reached[pair])]
+        return [form for pair, reached in approaching(model, motion).items() for form in self._forms(model, pair, reached)]
 
     def _forms(self, model: Model, pair: tuple[str, str], reached: float) -> list[Proposal]:
         line = {"stiffness": Parameter(0.0, 0.0, 1e10)}
@@ -71,8 +64,5 @@ class MissingContact(Hypothesis):
         shares: Mapping[str, tuple[float, ...]],
     ) -> Proposal:
         parameters = {**own, "stop_deformation": Parameter(0.5 * reached, 0.0, reached)}
-        name = fresh_name(f"{pair[0]}_{pair[1]}_contact", (joint.name for joint in model.joints))
-        augmented = with_joint(model, Joint(name, pair, law, parameters))
         starts = grid(**{length: [share * reached for share in each] for length, each in shares.items()})
-        place = {"bodies": list(pair)}
-        return proposal(self.physics, form, place, augmented, f"joint.{name}.", parameters, next(iter(own)), starts)
+        return between(model, pair, self.physics, form, law, parameters, next(iter(own)), starts)

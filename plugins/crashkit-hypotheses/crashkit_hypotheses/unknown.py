@@ -9,6 +9,8 @@ import xarray as xr
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import (
+    approaching,
+    between,
     forces_recorded,
     grounded,
     largest_deformation,
@@ -32,27 +34,25 @@ class Unknown(Hypothesis):
     """A smooth table f over the range that the recordings cover.
 
     In a joint F = F_law + f(d), unloading in its own way, F_law + f(ddot), F_law (1 + f(ddot)) or F_law + f(t); on a body f(t)
-    or f(v).
+    or f(v); between two bodies that no joint joins f(approach).
     """
 
     physics: ClassVar[str] = "unknown"
     sentence: ClassVar[str] = "{place} carries a force that none of the known physics explains"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Every joint that is compressed, and every body on which a force is something else than one in its mount."""
+        """Every joint that is compressed, every two bodies that approach each other without one, and every body on which a
+        force is something else than one in its mount."""
         used = [joint for joint in model.joints if largest_deformation(motion, joint.name) > 0]
         pushed = [body for body in model.bodies if _differs(model, body, recordings)]
         in_joints = [form for joint in used for form in self._in_joint(model, joint, motion)]
-        return in_joints + [form for body in pushed for form in self._on_body(model, body, motion)]
+        between_bodies = [self._between(model, pair, reach, motion) for pair, reach in approaching(model, motion).items()]
+        return in_joints + between_bodies + [form for body in pushed for form in self._on_body(model, body, motion)]
 
     def _in_joint(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
         largest = max(largest_force(motion, joint.name), 1.0)
         reach, fastest = largest_deformation(motion, joint.name), largest_rate(motion, joint.name)
-        of_deformation: Table = {
-            "heights": _heights(largest),
-            "reach": Parameter(reach, fixed=True),
-            "unloading_length": Parameter(0.03 * reach, 1e-3 * reach, 2.0 * reach),
-        }
+        of_deformation = _of_deformation(largest, reach)
         of_rate: Table = {"heights": _heights(largest), "reach": Parameter(fastest, fixed=True)}
         share: Table = {"rate_heights": _heights(1.0), "rate_reach": Parameter(fastest, fixed=True)}
         of_time: Table = {"heights": _heights(largest), "duration": _duration(motion)}
@@ -63,8 +63,12 @@ class Unknown(Hypothesis):
             parallel(model, joint, self.physics, "time", "time_table", of_time, "heights"),
         ]
 
+    def _between(self, model: Model, pair: tuple[str, str], reach: float, motion: Sequence[xr.Dataset]) -> Proposal:
+        own = _of_deformation(_largest_at(model, pair, motion), reach)
+        return between(model, pair, self.physics, "deformation", "smooth_table", own, "heights")
+
     def _on_body(self, model: Model, body: Body, motion: Sequence[xr.Dataset]) -> list[Proposal]:
-        largest = max(largest_force(motion, joint.name) for joint in model.joints if body.name in joint.bodies)
+        largest = _largest_at(model, (body.name,), motion)
         fastest = max(float(np.nanmax(np.abs(one["velocity"].sel(body=body.name).values))) for one in motion)
         of_time: Table = {"heights": _heights(largest), "duration": _duration(motion)}
         of_speed: Table = {"heights": _heights(largest), "reach": Parameter(fastest, fixed=True)}
@@ -81,6 +85,19 @@ def _differs(model: Model, body: Body, recordings: Sequence[xr.DataTree]) -> boo
     joints = [joint for joint in model.joints if body.name in joint.bodies]
     held = any(model.body(name).fixed for joint in joints for name in joint.bodies if name != body.name)
     return bool(joints) and (not held or forces_recorded(recordings))
+
+
+def _largest_at(model: Model, bodies: Sequence[str], motion: Sequence[xr.Dataset]) -> float:
+    """The largest force in the joints of these bodies, N."""
+    return max(largest_force(motion, joint.name) for joint in model.joints if not set(bodies).isdisjoint(joint.bodies))
+
+
+def _of_deformation(largest: float, reach: float) -> Table:
+    return {
+        "heights": _heights(largest),
+        "reach": Parameter(reach, fixed=True),
+        "unloading_length": Parameter(0.03 * reach, 1e-3 * reach, 2.0 * reach),
+    }
 
 
 def _heights(largest: float) -> tuple[Parameter, ...]:

@@ -58,7 +58,7 @@ PLACES = {
     "plastic_unloading": BOTH_JOINTS,
     "progressive_folding": BOTH_JOINTS,
     "rate_dependence": BOTH_JOINTS,
-    "unknown": BOTH_JOINTS | {(("body", "rear"),)},
+    "unknown": BOTH_JOINTS | {(("body", "rear"),), (("bodies", "['wall', 'rear']"),)},
     "viscous_damping": BOTH_JOINTS,
     "missing_contact": {(("bodies", "['wall', 'rear']"),)},
     "clock_offset": {(("instrument", "film"),), (("instrument", "accelerometer"),)},

@@ -259,6 +259,13 @@ def grounded(model, law, parameters):
     return with_joint(evolve(model, bodies=(*model.bodies, ground)), held)
 
 
+def attracting(model):
+    """Wall and rear pull each other as they come near, and let go when they are nearer."""
+    heights = tuple(Parameter(height, fixed=True) for height in (0.0, -2e3, -5e3, -5e3, 0.0))
+    pull = {"heights": heights, **fixed(reach=1.2)}
+    return with_joint(model, Joint("magnet", ("wall", "rear"), "smooth_table", pull))
+
+
 def pushed_away(model):
     return released(model, 4e3)
 
@@ -376,6 +383,7 @@ CASES = {
     ),
     pulsed: (("unknown", "time", {"joint": "first"}), {}),
     weakened: (("unknown", "rate, as a factor", {"joint": "first"}), {}),
+    attracting: (("unknown", "deformation", {"bodies": ["wall", "rear"]}), {}),
     touching: (
         ("missing_contact", "parabola", {"bodies": ["wall", "rear"]}),
         {"coefficient": 6e4, "stop_deformation": 0.9},
