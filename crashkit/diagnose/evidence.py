@@ -34,7 +34,7 @@ class Rival:
         search: the fit of the model with it.
         drop: in deviance against the model without it.
         evidence: log evidence against the model without it (Schwarz 1978, doi:10.1214/aos/1176344136): half of
-            drop - parameters x ln(independent samples).
+            drop - parameters x ln(independent samples), with the odds of its form.
     """
 
     proposal: Proposal
@@ -58,7 +58,7 @@ def rival_of(proposal: Proposal, search: Search, reference: float) -> Rival:
     drop = reference - search.deviance
     price = float(len(proposal.parameters) * np.log(search.misfit.independent_samples))
     credit = 1.0 if proposal.physics != UNKNOWN else GENUINE if search.normalised < FLOOR else IMITATING
-    return Rival(proposal, search, drop, 0.5 * (credit * drop - price))
+    return Rival(proposal, search, drop, 0.5 * (credit * drop - price) + float(np.log(proposal.odds)))
 
 
 def probabilities(ranked: Sequence[Rival], tried: int) -> tuple[np.ndarray, float]:

@@ -24,18 +24,26 @@ def beside_twins(workshop: Workshop, discovery: Discovery) -> Discovery:
     """Every finding with its twins among the rivals.
 
     Another form of the same physics may have been the one that decided, and its twins were never asked in that: friction on
-    the ground acts on a body like friction in its joint to the obstacle, in whatever form.
+    the ground acts on a body like friction in its joint to the obstacle, in whatever form. The likeliest of them is told.
     """
-    return evolve(discovery, rounds=tuple(_beside_twins(workshop, discovery, look) for look in discovery.rounds))
+    rounds = tuple(_beside_twins(workshop, discovery, look) for look in discovery.rounds)
+    leading = [look.rivals[0] for look in rounds]
+    if [rival.identity for rival in leading] == [look.rivals[0].identity for look in discovery.rounds]:
+        return evolve(discovery, rounds=rounds)
+    search = rebuild(workshop, begin(workshop.identifier, discovery.base), leading, discovery.search)
+    return discovery if search is None else evolve(discovery, rounds=rounds, search=search, final=search.fitted())
 
 
 def _beside_twins(workshop: Workshop, discovery: Discovery, look: Round) -> Round:
     winner = look.rivals[0]
     others = [one.rivals[0] for one in discovery.rounds if one is not look]
     twins = [] if is_unknown(winner) else _twins(workshop, look, others)
-    fitted = heats(twins, HEATS, lambda doing, share: None) if twins else []
-    rivals = [*look.rivals[1:], *ranked_by_evidence(fitted, winner.search.deviance + winner.drop)]
-    return between(look, [winner, *best_forms(sorted(rivals, key=lambda rival: -rival.evidence))]) if twins else look
+    if not twins:
+        return look
+    fitted = ranked_by_evidence(heats(twins, HEATS, lambda doing, share: None), winner.search.deviance + winner.drop)
+    leading = max([winner, *fitted], key=lambda rival: rival.evidence)
+    rivals = sorted([*look.rivals, *fitted], key=lambda rival: -rival.evidence)
+    return between(look, best_forms([leading, *rivals]))
 
 
 def _twins(workshop: Workshop, look: Round, others: Sequence[Rival]) -> list[Entrant]:

@@ -25,6 +25,7 @@ class Proposal:
         starts: values of the new parameters to start a fit from, one mapping each.
         refined: whether it is a finer form of a claim that has simpler ones: it is only tried where these leave something, or
             where an unknown force would be told.
+        odds: of this form beforehand, where several share the odds of one claim.
     """
 
     physics: str
@@ -35,6 +36,7 @@ class Proposal:
     null: Mapping[str, float]
     starts: tuple[Mapping[str, float], ...] = field(default=({},))
     refined: bool = field(default=False)
+    odds: float = field(default=1.0)
 
 
 class Hypothesis(ABC):

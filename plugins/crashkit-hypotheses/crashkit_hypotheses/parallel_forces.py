@@ -74,7 +74,7 @@ class JointFriction(Hypothesis):
     sentence: ClassVar[str] = "a dry friction force opposes the deformation of {place}"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Every joint that is compressed; where it also parts, friction that acts while it is closed is another form."""
+        """Every joint that is compressed; where it also parts, friction may act all the same or only while it is closed."""
         return [form for joint in _used(model, motion) for form in self._forms(model, joint, motion)]
 
     def _forms(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
@@ -97,7 +97,11 @@ class JointFriction(Hypothesis):
             for when, always in times.items()
         ]
         return [
-            evolve(parallel(model, joint, self.physics, name, law, parameters, "friction_force"), refined=form in REFINED)
+            evolve(
+                parallel(model, joint, self.physics, name, law, parameters, "friction_force"),
+                refined=form in REFINED,
+                odds=1.0 / len(times),
+            )
             for form, name, law, parameters in told
         ]
 

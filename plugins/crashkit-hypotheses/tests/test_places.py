@@ -256,3 +256,10 @@ def test_names_stay_unique_when_the_same_is_found_twice(propose, engine):
     twice = propose("viscous_damping", once, [motion])[0].model
     names = [joint.name for joint in twice.joints]
     assert len(set(names)) == len(names) == 4
+
+
+def test_friction_in_a_joint_that_parts_may_end_there_or_not(propose, runs):
+    parting = [run.assign(deformation=run["deformation"] - 0.1) for run in runs]
+    closed = [run.assign(deformation=np.maximum(run["deformation"], 0.0)) for run in runs]
+    assert {p.odds for p in propose("joint_friction", motion=parting)} == {0.5}
+    assert {p.odds for p in propose("joint_friction", motion=closed)} == {1.0}
