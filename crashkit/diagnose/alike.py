@@ -7,16 +7,13 @@ import xarray as xr
 from attrs import evolve
 from scipy.optimize import least_squares
 
-from crashkit.mechanics.along import forces_along
+from crashkit.mechanics.along import Laws, Path, force_along, on_bodies, path_along
 from crashkit.misfit import Misfit
 from crashkit.model import Model
-from crashkit.protocols import SpringLaw
 
 INSTANTS = 60
 """Of each run."""
 EVALUATIONS = 20
-
-Laws = Mapping[str, type[SpringLaw]]
 
 
 def most_alike(present: Misfit, other: Misfit, names: Sequence[str], laws: Laws) -> Mapping[str, float]:
@@ -27,13 +24,15 @@ def most_alike(present: Misfit, other: Misfit, names: Sequence[str], laws: Laws)
 
     Arguments:
         present, other: misfits of models of the same bodies, at their values.
-        names: paths of the numbers that may move.
+        names: paths of the numbers that may move; a free length is none of them.
     """
     pairs = {
         frozenset(joint.bodies) for joint in other.model.joints if any(n.startswith(f"joint.{joint.name}.") for n in names)
     }
     motions = [_thinned(present.predictor.motion(run, present.values(present.start()))) for run in present.recordings]
-    wanted = _forces(_between(present.model, pairs), laws, motions)
+    stills = [np.zeros(motion["position"].shape) for motion in motions]
+    acting = _between(present.model, pairs)
+    wanted = _forces(acting, laws, _paths(acting, motions), stills)
     start, (lower, upper) = other.start(), other.bounds()
     moving = [other.names.index(name) for name in names]
     if not np.any(wanted):
@@ -44,9 +43,11 @@ def most_alike(present: Misfit, other: Misfit, names: Sequence[str], laws: Laws)
         scaled[moving] = point
         return other.values(scaled)
 
+    paths = _paths(_between(other.model, pairs), motions)
+
     def difference(point: np.ndarray) -> np.ndarray:
         model = _between(other.model.with_values(values(point)), pairs)
-        return (_forces(model, laws, motions) - wanted) / np.linalg.norm(wanted)
+        return (_forces(model, laws, paths, stills) - wanted) / np.linalg.norm(wanted)
 
     bounds = lower[moving], upper[moving]
     found = least_squares(difference, np.clip(start[moving], *bounds), bounds=bounds, x_scale="jac", max_nfev=EVALUATIONS)
@@ -62,5 +63,24 @@ def _thinned(motion: xr.Dataset) -> xr.Dataset:
     return motion.isel(time=np.unique(np.linspace(0, motion.sizes["time"] - 1, INSTANTS).astype(int)))
 
 
-def _forces(model: Model, laws: Laws, motions: Sequence[xr.Dataset]) -> np.ndarray:
-    return np.concatenate([forces_along(model, laws, motion)["contact_force"].values.ravel() for motion in motions])
+def _paths(model: Model, motions: Sequence[xr.Dataset]) -> list[list[Path]]:
+    """How each motion deforms each joint."""
+    return [[path_along(model, joint, motion) for joint in model.joints] for motion in motions]
+
+
+def _forces(model: Model, laws: Laws, paths: Sequence[Sequence[Path]], stills: Sequence[np.ndarray]) -> np.ndarray:
+    """On all bodies, along all motions, N.
+
+    Arguments:
+        stills: of each motion (time, body, axis) zeros.
+    """
+    nets = [on_bodies(model, still, _pushes(model, laws, one)) for one, still in zip(paths, stills, strict=True)]
+    return np.concatenate([net.ravel() for net in nets])
+
+
+def _pushes(model: Model, laws: Laws, paths: Sequence[Path]) -> list[tuple[np.ndarray, np.ndarray]]:
+    """What each joint does to its bodies."""
+    forces = [
+        force_along(joint, laws, path)[:, None] * path.direction for joint, path in zip(model.joints, paths, strict=True)
+    ]
+    return [(force, force) for force in forces]

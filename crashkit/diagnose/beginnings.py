@@ -28,6 +28,7 @@ def begun_otherwise(
         least: deviance that the two must stay below.
     """
     best = None
+    progress(f"fitting all forms of {first.rivals[0].proposal.physics}", 0.0)
     for rival in _others(workshop, base_search, first):
         second = look_again(workshop, given, rival.search.fitted(), [rival], progress, quick=True)
         winner = second.winner

@@ -1,20 +1,40 @@
 """The forces of a model's joints along a motion that was not simulated with it: recorded, or of another model."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
 import xarray as xr
+from attrs import frozen
 from scipy.spatial.transform import Rotation
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import SpringLaw
 
+Laws = Mapping[str, type[SpringLaw]]
 Vectors = tuple[np.ndarray, np.ndarray]
-"""Something and its rate, each (time, axis)."""
+"""Something and its rate, or what is at either end of a joint; each (time, axis)."""
 
 
-def forces_along(model: Model, laws: Mapping[str, type[SpringLaw]], motion: xr.Dataset) -> xr.Dataset:
+@frozen
+class Path:
+    """How a motion deforms a joint.
+
+    Attributes:
+        times: (time,), s.
+        deformation, rate: (time,), m and m s-1.
+        direction: (time, axis), in which the second body is pushed.
+        arms: (time, axis) each, m, from the centres of mass to where the joint holds.
+    """
+
+    times: np.ndarray
+    deformation: np.ndarray
+    rate: np.ndarray
+    direction: np.ndarray
+    arms: Vectors
+
+
+def forces_along(model: Model, laws: Laws, motion: xr.Dataset) -> xr.Dataset:
     """What the joints would push with if the bodies moved like this (Mizzi & Jezequel 1992, eq 7-11).
 
     Arguments:
@@ -27,35 +47,52 @@ def forces_along(model: Model, laws: Mapping[str, type[SpringLaw]], motion: xr.D
         Dataset with `deformation`, `deformation_rate`, `force` (time, joint), m, m s-1 and N, and `contact_force`
         (time, body, axis), N, the net force of the joints on each body; in several axes also `contact_moment`, N m.
     """
-    names = [body.name for body in model.bodies]
     axes = list(motion["axis"].values)
-    net = np.zeros((2, motion.sizes["time"], len(names), len(axes)))
-    columns: dict[str, list[np.ndarray]] = {"deformation": [], "deformation_rate": [], "force": []}
-    for joint in model.joints:
-        first, second = joint.bodies
-        (deformation, rate), direction, arms = _geometry(model, joint, motion)
-        force = _force(joint, laws, motion["time"].values, deformation, rate)
-        for name, column in zip(columns, (deformation, rate, force), strict=True):
-            columns[name].append(column)
-        push = force[:, None] * direction
-        for body, arm, sign in ((first, arms[0], -1.0), (second, arms[1], 1.0)):
-            net[0, :, names.index(body)] += sign * push
-            net[1, :, names.index(body)] += sign * np.cross(arm, push) if len(axes) == 3 else 0.0
-    units = {"deformation": "m", "deformation_rate": "m s-1", "force": "N"}
-    shape = (len(model.joints), motion.sizes["time"])
-    variables: dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, str]]] = {
-        name: (("time", "joint"), np.array(column).reshape(shape).T, {"units": units[name]})
-        for name, column in columns.items()
+    paths = [path_along(model, joint, motion) for joint in model.joints]
+    forces = [force_along(joint, laws, path) for joint, path in zip(model.joints, paths, strict=True)]
+    shape = (len(paths), motion.sizes["time"])
+    columns = {
+        "deformation": ([path.deformation for path in paths], "m"),
+        "deformation_rate": ([path.rate for path in paths], "m s-1"),
+        "force": (forces, "N"),
     }
-    variables["contact_force"] = (("time", "body", "axis"), net[0], {"units": "N"})
+    variables: dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, str]]] = {
+        name: (("time", "joint"), np.array(column).reshape(shape).T, {"units": units})
+        for name, (column, units) in columns.items()
+    }
+    pushes = [force[:, None] * path.direction for force, path in zip(forces, paths, strict=True)]
+    dims, still = ("time", "body", "axis"), np.zeros((motion.sizes["time"], len(model.bodies), len(axes)))
+    variables["contact_force"] = (dims, on_bodies(model, still, [(push, push) for push in pushes]), {"units": "N"})
     if len(axes) == 3:
-        variables["contact_moment"] = (("time", "body", "axis"), net[1], {"units": "N m"})
-    coords = {"time": motion["time"].values, "joint": [j.name for j in model.joints], "body": names, "axis": axes}
+        turns = [
+            (np.cross(path.arms[0], push), np.cross(path.arms[1], push)) for path, push in zip(paths, pushes, strict=True)
+        ]
+        variables["contact_moment"] = (dims, on_bodies(model, still, turns), {"units": "N m"})
+    coords = {
+        "time": motion["time"].values,
+        "joint": [joint.name for joint in model.joints],
+        "body": [body.name for body in model.bodies],
+        "axis": axes,
+    }
     return xr.Dataset(variables, coords=coords)
 
 
-def _geometry(model: Model, joint: Joint, motion: xr.Dataset) -> tuple[Vectors, np.ndarray, tuple[np.ndarray, np.ndarray]]:
-    """Deformation and rate; the direction in which the second body is pushed; the arms from the centres of mass."""
+def on_bodies(model: Model, still: np.ndarray, ends: Sequence[Vectors]) -> np.ndarray:
+    """The sum of what the joints do to each body.
+
+    Arguments:
+        still: (time, body, axis), where nothing does anything.
+        ends: of each joint what it does to its second body, and the opposite of what it does to its first, at their ends.
+    """
+    names, net = [body.name for body in model.bodies], still.copy()
+    for joint, (near, far) in zip(model.joints, ends, strict=True):
+        net[:, names.index(joint.bodies[0])] -= near
+        net[:, names.index(joint.bodies[1])] += far
+    return net
+
+
+def path_along(model: Model, joint: Joint, motion: xr.Dataset) -> Path:
+    """How a motion deforms a joint of the model."""
     points = joint.points or ((0.0,) * len(model.axes),) * 2
     (near, near_rate), (far, far_rate) = (
         _carried(model, motion, name, point) for name, point in zip(joint.bodies, points, strict=True)
@@ -73,7 +110,7 @@ def _geometry(model: Model, joint: Joint, motion: xr.Dataset) -> tuple[Vectors, 
         rate = np.sum(direction * apart_rate, axis=1)
         arms = near - centres[0], far - centres[1]
     free_length = length[0] if joint.free_length is None else joint.free_length.value
-    return (free_length - length, -rate), direction, arms
+    return Path(motion["time"].values, free_length - length, -rate, direction, arms)
 
 
 def _directions(model: Model, joint: Joint, apart: np.ndarray) -> np.ndarray:
@@ -104,16 +141,15 @@ def _turned(model: Model, motion: xr.Dataset, body: str, vector: tuple[float, ..
     return rows, np.cross(own["angular_velocity"].values, rows)
 
 
-def _force(
-    joint: Joint, laws: Mapping[str, type[SpringLaw]], times: np.ndarray, deformation: np.ndarray, rate: np.ndarray
-) -> np.ndarray:
-    largest = np.maximum.accumulate(np.maximum(deformation, 0.0))
-    states = list(zip(deformation.tolist(), rate.tolist(), largest.tolist(), strict=True))
-    force = np.ones(len(deformation))
+def force_along(joint: Joint, laws: Laws, path: Path) -> np.ndarray:
+    """What a joint pushes with along a path, (time,), N."""
+    largest = np.maximum.accumulate(np.maximum(path.deformation, 0.0))
+    states = list(zip(path.deformation.tolist(), path.rate.tolist(), largest.tolist(), strict=True))
+    force = np.ones(len(states))
     for law in (laws[name] for name in (joint.law, *joint.factors)):
         values = [_value(joint.parameters.get(spec.name), spec.default) for spec in law.parameters]
         if law.memory:
-            remembered = _memory(law, times, states, values)
+            remembered = _memory(law, path.times, states, values)
             force *= [law.force(*state, z, *values) for state, z in zip(states, remembered, strict=True)]
         else:
             force *= [law.force(*state, *values) for state in states]

@@ -50,7 +50,7 @@ def _thin(instrument: xr.Dataset, quantity: str, halvings: int) -> xr.Dataset:
     wanted = min(SEARCH_INTERVAL, 1.0 / (FILTER_MARGIN * filter_class)) if is_closed else SEARCH_INTERVAL
     factor = int(0.5**halvings * wanted / interval + 1e-6)
     if not is_closed and factor % 2 == 0:
-        factor -= 1  # blocks are centred on samples
+        factor += 1  # blocks are centred on samples
     if factor < 2 or np.ptp(steps) > 0.01 * interval:
         return instrument
     if is_closed:

@@ -69,10 +69,15 @@ def test_samples_at_uneven_times_are_left_alone(run, quantities, changed):
 
 
 @pytest.mark.parametrize("cfc", [0, 600])
-def test_a_channel_that_is_hardly_too_fast_is_left_alone(recorded, model, changed, quantities, cfc):
-    """Two samples make no block about one of them; called white, a filtered channel would seem to have hardly any noise."""
-    run = changed(recorded(model, interval=2e-4), "accelerometer", lambda one: one.assign_attrs(channel_frequency_class=cfc))
-    assert thinned(run, quantities)["accelerometer"].identical(run["accelerometer"])
+@pytest.mark.parametrize(("interval", "kept"), [(3e-4, 3e-4), (2e-4, 6e-4)])
+def test_blocks_are_centred_on_a_sample(recorded, model, changed, quantities, cfc, interval, kept):
+    """At 5 kHz two samples would do, but have no middle."""
+    run = changed(
+        recorded(model, interval=interval), "accelerometer", lambda one: one.assign_attrs(channel_frequency_class=cfc)
+    )
+    times = thinned(run, quantities)["accelerometer"]["time"].values
+    assert np.diff(times) == pytest.approx(kept)
+    assert np.isin(times, run["accelerometer"]["time"].values).all()
 
 
 def test_a_filtered_channel_keeps_the_rate_that_its_filter_needs(run, quantities, changed):
