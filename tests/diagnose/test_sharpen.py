@@ -14,10 +14,14 @@ from crashkit.diagnose.sharpen import OutrunError, check_pace
 from crashkit.protocols import Proposal
 
 
+def leaving(normalised, misfit=None):
+    """A fit that leaves so much."""
+    return SimpleNamespace(normalised=normalised, excess=normalised**2 - 1.0, misfit=misfit)
+
+
 def claim(normalised, physics="joint_friction"):
     """A claim whose fit leaves so much."""
-    misfit = SimpleNamespace(model=None)
-    search = SimpleNamespace(normalised=normalised, misfit=misfit)
+    search = leaving(normalised, SimpleNamespace(model=None))
     return Rival(Proposal(physics, "", {"joint": "front"}, None, (), {}), search, 1000.0, 500.0)
 
 
@@ -26,7 +30,7 @@ def finer(monkeypatch):
     """A workshop whose recordings, thinned in the light of any claim, leave so much of it."""
 
     def finer(normalised, recorded=("run",)):
-        monkeypatch.setattr(sharpen, "sharpened", lambda *_: SimpleNamespace(normalised=normalised))
+        monkeypatch.setattr(sharpen, "sharpened", lambda *_: leaving(normalised))
         workshop = SimpleNamespace(recorded=recorded)
         workshop.equipped = lambda models: workshop
         return workshop
