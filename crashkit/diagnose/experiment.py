@@ -1,11 +1,13 @@
 """Which experiment would separate two rivals, and by how many sigma."""
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 import xarray as xr
 from attrs import frozen
 
+from crashkit.campaign import spread
 from crashkit.errors import SimulationError
 from crashkit.misfit import Misfit
 from crashkit.model import Body
@@ -81,7 +83,8 @@ def experiment(best: Misfit, rival: Misfit, name: str, bodies: Sequence[Body]) -
     told = f"the same test at {FASTER * speed:.1f} m/s would {{}}separate this from {name}: {sigma:.0f} sigma"
     if sigma > SEPARATED:
         return told.format("")
-    others = [*_heavier(duel, bodies), *_further_instruments(duel, bodies)]
+    heavy = [body for body in bodies if body.mass is not None]
+    others = [*spread(partial(_heavier, duel), heavy), *_further_instruments(duel, bodies)]
     what, most = max(others, key=lambda one: one[1], default=("", 0.0))
     better = f"{what} would: {most:.0f} sigma" if most > SEPARATED else "nor would more mass or a further instrument"
     return f"{told.format('hardly ')}; {better}"
@@ -97,13 +100,12 @@ def _repeated(duel: Duel, best: Misfit, rival: Misfit) -> float:
     return duel.sigma(difference, -jacobian[: len(difference)])
 
 
-def _heavier(duel: Duel, bodies: Sequence[Body]) -> Iterator[tuple[str, float]]:
+def _heavier(duel: Duel, body: Body) -> tuple[str, float]:
     """The same test with ballast on one body."""
-    for body in bodies:
-        if body.mass is not None:
-            more = BALLAST * body.mass.value
-            pair = [one.with_values(_ballasted(one, body.name, more)) for one in (duel.best, duel.rival)]
-            yield f"the same with {more:.3g} kg more on {body.name}", _repeated(duel, *pair)
+    assert body.mass is not None
+    more = BALLAST * body.mass.value
+    pair = [one.with_values(_ballasted(one, body.name, more)) for one in (duel.best, duel.rival)]
+    return f"the same with {more:.3g} kg more on {body.name}", _repeated(duel, *pair)
 
 
 def _ballasted(misfit: Misfit, body: str, more: float) -> dict[str, float]:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from attrs import evolve
 
 from crashkit.misfit import Misfit
 from crashkit.model.toml import read_model
@@ -151,6 +152,13 @@ def test_no_effect_of_a_joint_creates_energy(physics):
         world = effect.into(scene, 1.0).world
         motion = run(world, scene.speeds[0], scene.duration)
         assert kinetic(world, motion, -1) <= kinetic(world, motion, 0) * (1.0 + 1e-6)
+
+
+def test_what_is_never_compressed_cannot_bottom():
+    rng = np.random.default_rng(1)
+    scene = draw_scene(rng)
+    motions = [evolve(motion, deformation=dict.fromkeys(motion.deformation, np.zeros(3))) for motion in scene.motions()]
+    assert EFFECTS["bottoming"](Stage(scene, motions, rng)) is None
 
 
 @pytest.mark.parametrize("physics", EFFECTS)

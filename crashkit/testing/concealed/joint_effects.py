@@ -82,10 +82,12 @@ def progressive_folding(stage: Stage) -> Effect:
     return one_term("progressive_folding", form, joint, kind, numbers, (0.02, 3.0))
 
 
-def bottoming(stage: Stage) -> Effect:
+def bottoming(stage: Stage) -> Effect | None:
     """The joint stiffens beyond a deformation that the faster runs reach: a line, a parabola, a pole or an exponential."""
     joint, form = stage.joint(), stage.form("line", "parabola", "pole", "exponential")
     deepest, force = stage.deepest(joint), 2.0 * stage.true(joint).level()
+    if deepest <= 0.0:
+        return None  # a mount that only ever pulls
     start = deepest * stage.among(0.55, 0.85)
     rest = deepest - start
     kind, numbers = {
