@@ -5,7 +5,7 @@ import math
 import pytest
 from attrs import evolve
 
-from crashkit.diagnose import diagnose, in_time
+from crashkit.diagnose import diagnose, diagnosis, in_time
 from crashkit.diagnose.in_time import OutOfTimeError, TimeLimit
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_joint
@@ -31,9 +31,10 @@ def damped(workshop, model, recorded):
     rivals = ("bias", "clearance", "gain_error", "viscous_damping")
     few = evolve(workshop, hypotheses={name: workshop.hypotheses[name] for name in rivals})
     runs = {name: recorded(with_joint(model, dashpot), speed, seed) for name, speed, seed in RUNS}
+    faster = {"faster.nc": recorded(with_joint(model, dashpot), 1.3, 3)}
 
-    def run(seconds, progress):
-        return diagnose(believed, runs, {}, few, progress, seconds)
+    def run(seconds, progress, is_held_out=False):
+        return diagnose(believed, runs, faster if is_held_out else {}, few, progress, seconds)
 
     return run
 
@@ -93,6 +94,21 @@ def test_what_was_found_before_is_told(clock, damped):
 
     answer = damped(0.5, ends_with_the_second_look)
     assert [finding.physics for finding in answer.findings] == ["viscous_damping"]
+    assert "the time for questions was up" in answer.summary
+
+
+def test_where_all_is_asked_again_and_the_time_ends_that_the_first_answer_stands(clock, damped, monkeypatch):
+    monkeypatch.setattr(diagnosis, "_contradicted", lambda *_: True)
+    told = []
+
+    def ends_with_the_second_asking(doing, share):
+        told.append(doing)
+        clock.now += told.count("re-identifying the model") == 2
+
+    answer = damped(0.5, ends_with_the_second_asking, is_held_out=True)
+    assert told.count("re-identifying the model") == 2
+    assert [finding.physics for finding in answer.findings] == ["viscous_damping"]
+    assert answer.fits["holdout"]["after"].normalised_rmse < 1.2
     assert "the time for questions was up" in answer.summary
 
 
