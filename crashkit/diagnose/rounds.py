@@ -20,12 +20,14 @@ from crashkit.diagnose.search import Search
 from crashkit.diagnose.sharpen import check_pace
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
+from crashkit.model import Model
 
 MOST_FINDINGS = 3
 NEEDED = 100.0
 """Chi squared that the loss of a finding must cost for it to be plainly needed."""
 FIFTH = 0.2
-"""Of what the model leaves above the noise: a claim that leaves more is hardly all there is, in whatever form."""
+"""Of what is left above the noise: a claim that leaves more of it is hardly all there is, in whatever form; and one that
+leaves less by no more than that is hardly another."""
 TIE = 10.0
 """Chi squared by which two explanations may differ and still count as equally good."""
 
@@ -65,7 +67,7 @@ def discovered(workshop: Workshop, given: Misfit, base_search: Search, progress:
         near, found = in_time((near, None), _nearby, workshop, given, base_search, near, progress)
     if found is not None and len(found.rounds) == 1 and explains(found.search):
         return found
-    wide = in_time(_won(base_search, near), _widely, workshop, given, base_search, near, progress)
+    wide = in_time(_won(base_search, near), _widely, workshop, given, base_search, near, found, progress)
     return wide if found is None else _cheaper(found, wide)
 
 
@@ -107,9 +109,17 @@ def _nearby(
     return near, found
 
 
-def _widely(workshop: Workshop, given: Misfit, base_search: Search, near: Round, progress: Progress) -> Discovery:
-    """Round after round, with everything in sight; begun otherwise where that leaves something."""
+def _widely(
+    workshop: Workshop, given: Misfit, base_search: Search, near: Round, nearby: Discovery | None, progress: Progress
+) -> Discovery:
+    """Round after round, with everything in sight; begun otherwise where that leaves something.
+
+    Arguments:
+        nearby: what was found there. Where the first look with everything in sight only confirms it, no more is asked.
+    """
     base_search, first = _first_look(workshop, given, base_search, near, progress)
+    if nearby is not None and _is_confirmed(nearby, first):
+        return nearby
     rounds, look = in_time(([], first), named_before_unknown, workshop, given, base_search, first, progress)
     found, last = followed(workshop, given, base_search, rounds, look, progress)
     if not found.rounds or _is_estimated(found.rounds) or found.search.normalised < UNEXPLAINED:
@@ -120,6 +130,14 @@ def _widely(workshop: Workshop, given: Misfit, base_search: Search, near: Round,
         return found
     other, _ = followed(workshop, given, base_search, [beginning[0]], beginning[1], progress)
     return min(found, other, key=lambda one: one.search.deviance)
+
+
+def _is_confirmed(found: Discovery, look: Round) -> bool:
+    """Whether a look with everything in sight has the same winner, and that leaves hardly less."""
+    if len(found.rounds) != 1 or found.search.normalised > UNEXPLAINED or look.winner is None:
+        return False
+    is_same = look.winner.identity == found.rounds[0].rivals[0].identity
+    return is_same and look.winner.search.excess > (1.0 - FIFTH) * found.search.excess
 
 
 def followed(
@@ -156,8 +174,11 @@ def _questioned(
     progress: Progress,
 ) -> tuple[list[Round], Search]:
     """Several findings, each in the light of the others."""
+    begun = rounds
     rounds, search = exchanged(workshop, base_search, rounds, search, last) or (rounds, search)
     rounds, search = reconsidered(workshop, given, base_search, rounds, search, progress)
+    if [id(look) for look in rounds] == [id(look) for look in begun]:
+        return rounds, search
     return in_best_forms(workshop, base_search, rounds, search, progress)
 
 
@@ -193,7 +214,7 @@ def reconsidered(
     """Takes each finding away in turn, and lets all hypotheses compete again for its place beside the others.
 
     The first that was found had to make do for all of them, and is often only the best stand-in. Where everything is explained
-    and nothing can be spared, there is nothing to question.
+    and nothing can be spared, there is nothing to question; nor is the same asked twice.
     """
     looks = list(rounds)
     for claim in [look.rivals[0].identity for look in rounds]:
@@ -203,7 +224,8 @@ def reconsidered(
         if without is None:
             continue
         rest, without = in_best_forms(workshop, base_search, rest, without, progress)
-        if search.normalised < FLOOR and without.deviance > search.deviance + NEEDED:
+        is_needed = search.normalised < FLOOR and without.deviance > search.deviance + NEEDED
+        if is_needed or _was_asked(looks[place], without):
             continue
         look = look_again(workshop, given, without.fitted(), [one.rivals[0] for one in rest], progress)
         if look.winner is None or _corrects(look.winner, rest):
@@ -212,3 +234,15 @@ def reconsidered(
         elif look.winner.search.deviance < search.deviance + TIE:
             looks, search = [*rest[:place], look, *rest[place:]], look.winner.search
     return looks, search
+
+
+def _was_asked(look: Round, without: Search) -> bool:
+    """Whether the look was made at just this model, at a fit that is as good."""
+    before = look.before
+    is_same = _anatomy(before.model) == _anatomy(without.misfit.model)
+    return is_same and before.deviance(before.residual(before.start())) < without.deviance + TIE
+
+
+def _anatomy(model: Model) -> list[tuple[str, tuple[str, ...], list[str]]]:
+    """The joints of a model and their laws, whatever their numbers."""
+    return [(joint.name, (joint.law, *joint.factors), sorted(joint.parameters)) for joint in model.joints]

@@ -14,7 +14,7 @@ from crashkit.diagnose.look import LEAST_DROP, Round, _is_given, _least_drop, se
 from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.needed import _asked, needed, price
 from crashkit.diagnose.reidentify import reidentify
-from crashkit.diagnose.rounds import _corrects, reconsidered
+from crashkit.diagnose.rounds import Discovery, _corrects, _is_confirmed, _was_asked, reconsidered
 from crashkit.diagnose.search import begin
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_body, with_joint
@@ -120,12 +120,49 @@ def test_a_finding_that_is_questioned_stays_unless_it_explains_too_little(monkey
         return SimpleNamespace(deviance=deviance, normalised=1.5, fitted=lambda: None)
 
     nothing = Round((), (), 1.0, None, least=180.0)
+    monkeypatch.setattr(questioned, "_was_asked", lambda look, without: False)
     monkeypatch.setattr(questioned, "rebuild", without)
     monkeypatch.setattr(questioned, "in_best_forms", lambda workshop, base, looks, search, progress: (looks, search))
     monkeypatch.setattr(questioned, "look_again", lambda *_: nothing)
     together = SimpleNamespace(deviance=1000.0, normalised=1.4)
     kept, _ = reconsidered(None, None, None, [one("fracture"), one("bias")], together, None)
     assert [look.rivals[0].proposal.physics for look in kept] == left
+
+
+def test_the_same_is_not_asked_twice(workshop, model, misfit, recorded):
+    """Of a model in the same laws, at a fit that is no better than the one that was asked."""
+    exact = misfit(model, run=recorded(model))
+    path, stiffness = next(iter(model.free_parameters().items()))
+    off = exact.with_values({path: 1.2 * stiffness.value})
+    dashpot = with_joint(model, Joint("dashpot", ("wall", "front"), "viscous", {"damping": Parameter(0.0, fixed=True)}))
+    same, worse, other = (
+        begin(workshop.identifier, one) for one in (exact, off, workshop.equipped([dashpot]).misfit(exact, dashpot))
+    )
+    look = Round((), (), 1.0, exact)
+    assert _was_asked(look, same)
+    assert _was_asked(look, worse)
+    assert not _was_asked(look, other)
+    assert not _was_asked(Round((), (), 1.0, off), same)
+
+
+def test_what_everything_in_sight_only_confirms_is_told():
+    """By the same winner that leaves hardly less."""
+
+    def leaving(normalised, physics="fracture"):
+        search = SimpleNamespace(normalised=normalised, excess=normalised**2 - 1.0)
+        rival = Rival(Proposal(physics, "", {"joint": "front"}, None, (), {}), search, 9000.0, 4500.0)
+        return Round((rival,), (1.0,), 0.0, None)
+
+    def found(normalised, rounds=1):
+        look = leaving(normalised)
+        return Discovery(None, None, look.rivals[0].search, (look,) * rounds)
+
+    assert _is_confirmed(found(1.12), leaving(1.11))
+    assert not _is_confirmed(found(1.12), leaving(1.05))
+    assert not _is_confirmed(found(1.12), leaving(1.11, "tension"))
+    assert not _is_confirmed(found(1.12), Round((), (), 1.0, None))
+    assert not _is_confirmed(found(1.12, rounds=2), leaving(1.11))
+    assert not _is_confirmed(found(1.3), leaving(1.29))
 
 
 def test_a_third_finding_must_explain_more_than_a_second():
