@@ -10,7 +10,7 @@ from crashkit.campaign import one_thread
 from crashkit.diagnose.consistency import by_run, check_instruments
 from crashkit.diagnose.contest import Progress
 from crashkit.diagnose.discover import discover
-from crashkit.diagnose.evidence import FLOOR, STRAINED, UNEXPLAINED, Rival
+from crashkit.diagnose.evidence import FLOOR, STRAINED, UNEXPLAINED, Rival, is_at_noise
 from crashkit.diagnose.experiment import experiment
 from crashkit.diagnose.finding import estimates, make_finding, stand_ins
 from crashkit.diagnose.fits import curves_of, fit_of, predict
@@ -131,16 +131,18 @@ def _contradicted(
     """Whether what explains the fitted runs cannot explain them and the held-out ones together, whatever its numbers.
 
     A prediction may also be off because the fitted runs do not tell a number, or because a form is off that leaves something
-    in them too: neither says that anything else is missing.
+    in them too: neither says that anything else is missing. Where nothing was found there is no form, and more than chance
+    leaves says that something is.
     """
     final = discovery.final
     workshop = workshop.equipped([final.model])
     unseen = weighed_alike(workshop.first_misfit(final.model, holdout), final)
     told = all(channel.noise.trusted for channel in final.channels)
-    if not told or _normalised(final) > FLOOR or _normalised(unseen) < UNEXPLAINED:
+    if (discovery.rounds and not told) or _normalised(final) > FLOOR or _normalised(unseen) < UNEXPLAINED:
         return False
-    together = in_the_light_of(workshop, model, {**recordings, **holdout}, final)
-    return refine(workshop.identifier, workshop.misfit(together, final.model)).normalised > UNEXPLAINED
+    both = in_the_light_of(workshop, model, {**recordings, **holdout}, final)
+    together = refine(workshop.identifier, workshop.misfit(both, final.model))
+    return together.normalised > UNEXPLAINED if discovery.rounds else not is_at_noise(together)
 
 
 def _normalised(misfit: Misfit) -> float:

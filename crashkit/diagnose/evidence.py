@@ -81,8 +81,12 @@ def best_forms(ranked: Iterable[Rival]) -> list[Rival]:
     return list(best.values())
 
 
+def is_at_noise(search: Search) -> bool:
+    """Whether no more is left than chance would leave."""
+    return bool(search.normalised < 1.0 + 2.0 / np.sqrt(2.0 * search.misfit.independent_samples))
+
+
 def explains(search: Search) -> bool:
     """Whether nothing is left that another claim could explain better, and no number had to be strained for it."""
-    chance = 1.0 / np.sqrt(2.0 * search.misfit.independent_samples)
     told = all(channel.noise.trusted for channel in search.misfit.channels)
-    return bool(told and search.normalised < 1.0 + 2.0 * chance and search.misfit.departure(search.point) < STRAINED)
+    return told and is_at_noise(search) and bool(search.misfit.departure(search.point) < STRAINED)
