@@ -1,10 +1,12 @@
 """Where the equations of motion lead each claim along the motion that was measured, in which no error leads another astray."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from crashkit.campaign import spread
 from crashkit.diagnose.contest import Entrant, Progress, first_of_each, heats
+from crashkit.diagnose.growing import grown
 from crashkit.diagnose.search import begin_all
 from crashkit.diagnose.workshop import Workshop
 from crashkit.errors import CrashkitError
@@ -49,8 +51,10 @@ def regressed(workshop: Workshop, given: Misfit, proposals: Sequence[Proposal], 
 
     ahead = _ranked(told, spread(opened, told, shown))[:CLAIMS]
     ahead = _ranked([proposal for proposal, _ in ahead], spread(ended, ahead))[: HEATS[0][0]]
-    misfits = [workshop.misfit(given, proposal.model).with_values(values) for proposal, (values, _) in ahead]
-    searches = begin_all(workshop.identifier, misfits)
+    starts = [workshop.misfit(given, proposal.model).with_values(values) for proposal, (values, _) in ahead]
+    progress(f"showing the recordings little by little to {len(starts)} claims", 0.0)
+    ends = spread(partial(grown, workshop.identifier), starts)
+    searches = begin_all(workshop.identifier, [start.with_values(end) for start, end in zip(starts, ends, strict=True)])
     return heats(list(zip((proposal for proposal, _ in ahead), searches, strict=True)), HEATS, progress)
 
 

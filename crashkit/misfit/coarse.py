@@ -12,6 +12,11 @@ FEWEST = 3
 COARSER = 4.0
 """By how much steps of the integration are longer; a few instants do not deserve more."""
 
+CORNER = 5.0 / 3.0
+"""Hz, in channel frequency classes: up to where a filter lets pass."""
+PERIODS = 1.5
+"""Of that frequency, after which less than a hundredth of a step is still to come."""
+
 
 def coarse_group(group: Group) -> Group:
     """Every so many samples of a group; all where it is filtered, which has been thinned as far as its filter bears."""
@@ -26,21 +31,34 @@ def coarse_group(group: Group) -> Group:
 
 
 def early_group(group: Group, end: float) -> Group | None:
-    """The samples of a group up to a time, s; None where that is too few."""
-    count = int(np.searchsorted(group.times, end, side="right"))
+    """The samples of a group up to a time, s; None where that is too few.
+
+    What is filtered also shows what comes a little later, which has to be simulated and is not compared.
+    """
+    count, reach = np.searchsorted(group.times, (end, end + _ahead(group)), side="right")
     if count < FEWEST:
         return None
-    kept = slice(0, count)
-    recorded = group.recorded[kept]
+    recorded = group.recorded[:reach].copy()
+    recorded[count:] = np.nan
     channels = tuple(
         evolve(channel, samples=int(np.isfinite(recorded[:, i]).sum())) for i, channel in enumerate(group.channels)
     )
-    return evolve(group, dataset=group.dataset.isel(time=kept), times=group.times[kept], recorded=recorded, channels=channels)
+    dataset = group.dataset.isel(time=slice(reach))
+    return evolve(group, dataset=dataset, times=group.times[:reach], recorded=recorded, channels=channels)
+
+
+def _ahead(group: Group) -> float:
+    """How far ahead a filtered channel sees, s."""
+    frequency_class = _frequency_class(group)
+    return PERIODS / (CORNER * frequency_class) if frequency_class > 0 else 0.0
+
+
+def _frequency_class(group: Group) -> int:
+    return int(group.dataset.attrs.get("channel_frequency_class", 0))
 
 
 def _factor(group: Group) -> int:
-    is_filtered = int(group.dataset.attrs.get("channel_frequency_class", 0)) > 0
-    return 1 if is_filtered else max(1, len(group.times) // INSTANTS)
+    return 1 if _frequency_class(group) > 0 else max(1, len(group.times) // INSTANTS)
 
 
 def _thinned(channel: Channel, samples: np.ndarray, factor: int) -> Channel:

@@ -21,19 +21,19 @@ def fine_step(misfit: "Misfit") -> float:
     """The longest step, s, with which every channel reads what it reads with half of it, to a tenth of its noise.
 
     Arguments:
-        misfit: whose step is halved as often as it takes, but no more than five times; it stays as it is where the model
-            cannot be simulated at its own values.
+        misfit: whose step is halved as often as it takes, but no more than five times, from the longest time between two
+            readings, if that is shorter; no further where the model cannot be simulated at its own values.
     """
     return _longest_step(misfit, lambda left: np.full_like(left, LITTLE))
 
 
 def crude_step(misfit: "Misfit") -> float:
-    """The same, to its noise or to a tenth of what the model leaves, whichever is more; none longer than what is read asks."""
-    misfit = misfit.with_step(min(misfit.step, misfit.predictor.longest_gap))
+    """The same, to its noise or to a tenth of what the model leaves, whichever is more."""
     return _longest_step(misfit, lambda left: np.maximum(CRUDE * left, 1.0))
 
 
 def _longest_step(misfit: "Misfit", allowed: Callable[[np.ndarray], np.ndarray]) -> float:
+    misfit = misfit.with_step(min(misfit.step, misfit.predictor.longest_gap))
     try:
         before = misfit.residual(misfit.start())
         for _ in range(HALVINGS):

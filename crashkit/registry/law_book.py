@@ -15,20 +15,26 @@ HOOK = "added = 0.0"
 """The statement after which a law lets other curves be added to its loading curve, at the deformation that it calls `turn`."""
 
 
+SLOPE, RATIO = "unloading_stiffness", "slope_ratio"
+"""Parameters of a law and of the factor that turns its line of unloading."""
+
+
 class LawBook(Mapping[str, type[SpringLaw]]):
     """Laws and factors by name; a name may also combine several, where they fit together.
 
     - "a | b" is a and b side by side, as two joints at the same place would be: F = F_a + F_b;
     - "a % f" is law a of which the share f remembers how far it was compressed and the rest does not: F = f F_a(d, d_max) +
       (1 - f) F_a(d, d);
+    - "a / f" is law a that turns to a second, less steep line as it unloads, which factor f gives with its `slope_ratio` r:
+      F = max(F_a(d, d_max; k), f F_a(d, d_max; r k / f)), with k the `unloading_stiffness` of a;
     - "a * f" is law a times the factor f alone, where a joint's `factors` multiply all of its force;
     - "a ~ m" is law m, which has a memory, with the force of a for its deformation: what a gives passes through m;
     - "a + b" is law a with b added to its loading curve. Then b takes part in unloading and in the rate factor of a. The first
       law must hold the statement `added = 0.0` after it has set `turn`; what is added must end in its only `return`.
 
-    They bind in the order +, ~, *, %, |. A parameter that two of them declare alike, such as a clearance, is one and the same
-    in all but "a + b"; no other names may be shared, and one of them at most may have a memory. What has branches of its own,
-    or runs as plain Python, stands alone.
+    They bind in the order +, ~, *, /, %, |. A parameter that two of them declare alike, such as a clearance, is one and the
+    same in all but "a + b"; no other names may be shared, and one of them at most may have a memory. What has branches of its
+    own, or runs as plain Python, stands alone.
     """
 
     def __init__(self, laws: Mapping[str, type[SpringLaw]]) -> None:
@@ -65,6 +71,15 @@ def passes(law: type[SpringLaw], through: type[SpringLaw]) -> bool:
 def parts(law: type[SpringLaw], share: type[SpringLaw]) -> bool:
     """Whether a factor can be the share of a law that remembers its largest deformation."""
     return multiplies(law, share) and not law.memory and not share.memory
+
+
+def turns(law: type[SpringLaw], line: type[SpringLaw]) -> bool:
+    """Whether a factor can turn the line along which a law unloads."""
+    return parts(law, line) and _declares(law, SLOPE) and _declares(line, RATIO)
+
+
+def _declares(law: type[SpringLaw], name: str) -> bool:
+    return any(spec.name == name for spec in law.parameters)
 
 
 def multiplies(law: type[SpringLaw], factor: type[SpringLaw]) -> bool:
@@ -113,9 +128,11 @@ def _joined(first: type[SpringLaw], second: type[SpringLaw], sign: str) -> type[
     if sign == " ~ ":
         other = ", ".join([f"first({one})", *_arguments(second)[1:]])
     fresh = ", ".join(["d", "ddot", "d", *_arguments(first)[3:]])
+    softer = one.replace(SLOPE, f"{SLOPE} * {RATIO} / second({other})")
     total = {
         " | ": f"first({one}) + second({other})",
         " % ": f"second({other}) * first({one}) + (1.0 - second({other})) * first({fresh})",
+        " / ": f"max(first({one}), second({other}) * first({softer}))",
         " * ": f"first({one}) * second({other})",
         " ~ ": f"second({other})",
     }
@@ -209,9 +226,10 @@ class _Renamed(ast.NodeTransformer):
 SIGNS = {
     " | ": (are_parallel, _joined),
     " % ": (parts, _joined),
+    " / ": (turns, _joined),
     " * ": (multiplies, _joined),
     " ~ ": (passes, _joined),
     " + ": (fit_together, _sum),
 }
 """What a sign asks of two laws, and what it makes of them; the sign that binds least comes first."""
-MEANINGS = {" | ": "beside", " % ": "in part, by", " * ": "times", " ~ ": "through"}
+MEANINGS = {" | ": "beside", " % ": "in part, by", " / ": "with a", " * ": "times", " ~ ": "through"}

@@ -239,6 +239,25 @@ def test_a_share_can_lose_its_force_by_a_factor():
     assert force == pytest.approx(0.3 * plateau(0.25) * math.exp(-1.0) + 0.7 * plateau(0.2), rel=1e-6)
 
 
+# ---- unloading along two lines ----
+
+
+@given(d_max=deformations, back=st.floats(0.0, 1.0), turning=st.floats(0.05, 0.95), ratio=st.floats(0.01, 1.0))
+def test_from_some_force_on_it_unloads_less_steeply(d_max, back, turning, ratio):
+    d = (1.0 - back) * d_max
+    top, turn = plateau(d_max), (1.0 - turning) * plateau(d_max) / SLOPE
+    on_second = turning * top - ratio * SLOPE * (d_max - d - turn)
+    expected = top - SLOPE * (d_max - d) if d_max - d < turn else max(0.0, on_second)
+    force = crush("crush_plateau / second_line", d, d_max, turning, ratio)
+    assert force == pytest.approx(expected, rel=1e-9, abs=1e-3)
+
+
+def test_only_a_share_may_unload_along_two_lines():
+    force = crush("crush_plateau / second_line % plastic_share", 0.2, 0.21, 0.5, 0.1, 0.3)
+    two_lines = crush("crush_plateau / second_line", 0.2, 0.21, 0.5, 0.1)
+    assert force == pytest.approx(0.3 * two_lines + 0.7 * plateau(0.2))
+
+
 NOT_SIDE_BY_SIDE = {
     "maxwell | bouc_wen": "two memories",
     "linear_stop | tension_spring": "parameters of one name that mean different things",
@@ -246,6 +265,8 @@ NOT_SIDE_BY_SIDE = {
     "rate_linear * crush_plateau": "a law is no factor",
     "coulomb * viscous": "a law is no factor",
     "crush_plateau % maxwell": "a law is no share",
+    "linear_stop / second_line": "what has no line of unloading has no second one",
+    "crush_plateau / plastic_share": "a share is no line",
     "maxwell % plastic_share": "what has a memory has no share without it",
     "measured_curve | coulomb": "a law with branches of its own stands alone",
     "coulomb |viscous": "a sign stands between blanks",

@@ -22,7 +22,7 @@ LONGEST = 16
 class PlasticUnloading(Hypothesis):
     """Instead of along its loading curve it unloads along F = F_load(d_max) - k (d_max - d), loses a share on the way back, or
     falls along F = F_load(d_max) ((d - s d_max) / ((1 - s) d_max))^n to a share s of its largest deformation. Or a share of
-    the joint does so, along a line or fading, and the rest is elastic."""
+    the joint does so, along a line or fading, and the rest is elastic; or the line turns less steep from some force on."""
 
     physics: ClassVar[str] = "plastic_unloading"
     sentence: ClassVar[str] = "{place} unloads along a path of its own and keeps part of its energy"
@@ -31,7 +31,10 @@ class PlasticUnloading(Hypothesis):
         """Every joint whose law can unload by its own slope and does not."""
         elastic = [joint for joint in model.joints if _is_elastic(joint)]
         used = [joint for joint in elastic if largest_deformation(motion, joint.name) > 0]
-        forms = (self._line, self._fading, self._set, self._line_of_a_share, self._fading_of_a_share)
+        forms = (
+            *(self._line, self._fading, self._set, self._line_of_a_share, self._fading_of_a_share),
+            *(self._two_lines, self._two_lines_of_a_share),
+        )
         return [one for joint in used for form in forms if (one := form(model, joint, motion)) is not None]
 
     def _line(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> Proposal:
@@ -54,6 +57,20 @@ class PlasticUnloading(Hypothesis):
         numbers = {"unloading_stiffness": LEVEL, "loss": WHOLE, **length}
         shares = [{"plastic_share": 0.3, **start} for start in starts]
         return self._of_a_share(model, joint, f"{joint.law} * unloading_loss", "fading of a share", numbers, shares)
+
+    def _two_lines(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> Proposal | None:
+        law, numbers, starts = _turning(joint, motion)
+        if law not in load().spring_laws:
+            return None
+        turning = evolve(joint, law=law)
+        told = changed(model, turning, self.physics, "two lines", numbers, "unloading_stiffness", starts, null=None)
+        return evolve(told, refined=True)
+
+    def _two_lines_of_a_share(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> Proposal | None:
+        law, numbers, starts = _turning(joint, motion)
+        shares = [{"plastic_share": 0.3, **start} for start in starts]
+        told = self._of_a_share(model, joint, law, "two lines of a share", numbers, shares)
+        return None if told is None else evolve(told, refined=True)
 
     def _of_a_share(
         self,
@@ -88,6 +105,13 @@ def _slope(joint: Joint, motion: Sequence[xr.Dataset]) -> tuple[dict[str, Parame
     """How steeply it unloads, and the secant of its loading, N/m."""
     secant = max(largest_force(motion, joint.name) / largest_deformation(motion, joint.name), 1e3)
     return {"unloading_stiffness": Parameter(3.0 * secant, 0.1 * secant, 1e3 * secant)}, secant
+
+
+def _turning(joint: Joint, motion: Sequence[xr.Dataset]) -> tuple[str, dict[str, Parameter], list[dict[str, float]]]:
+    """A law that unloads along two lines, its numbers, and where to begin."""
+    slope, secant = _slope(joint, motion)
+    numbers = {**slope, "turning_share": Parameter(0.5, 0.05, 0.95), "slope_ratio": Parameter(0.3, 0.01, 1.0)}
+    return f"{joint.law} / second_line", numbers, grid(unloading_stiffness=(6.0 * secant, 30.0 * secant), slope_ratio=(0.3,))
 
 
 def _length(joint: Joint, motion: Sequence[xr.Dataset]) -> tuple[dict[str, Parameter], list[dict[str, float]]]:

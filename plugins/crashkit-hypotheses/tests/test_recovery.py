@@ -427,9 +427,17 @@ def test_what_was_concealed_is_found_where_it_was(found, model, conceal):
         assert abs(values[name] - value) < 4.0 * stds[name] + 0.01 * abs(value), (name, values[name], stds[name])
 
 
+def crushed_twice(model):
+    """The first joint unloads along two lines."""
+    first, own = model.joint("first"), fixed(unloading_stiffness=3e6, turning_share=0.5, slope_ratio=0.2)
+    changed = evolve(first, law=f"{first.law} / second_line", parameters={**first.parameters, **own})
+    return evolve(model, joints=tuple(changed if joint.name == "first" else joint for joint in model.joints))
+
+
 CRUSHED = {
     staying_crushed: ("set", {"residual_share": 0.7, "unloading_exponent": 2.5}),
     partly_crushed: ("line of a share", {"plastic_share": 0.3, "unloading_stiffness": 1e6}),
+    crushed_twice: ("two lines", {"unloading_stiffness": 3e6, "turning_share": 0.5, "slope_ratio": 0.2}),
 }
 
 

@@ -5,7 +5,15 @@ from crashkit_spring_laws.crush_plateau import CrushPlateau
 from crashkit_spring_laws.dampers import Viscous, ViscousPower
 from crashkit_spring_laws.fracture import Brittle, Fracture, Tear
 from crashkit_spring_laws.friction import Coulomb, Dahl
-from crashkit_spring_laws.gradual_loss import Fading, PlasticShare, ResidualSet, Softening, StepwiseSoftening, UnloadingLoss
+from crashkit_spring_laws.gradual_loss import (
+    Fading,
+    PlasticShare,
+    ResidualSet,
+    SecondLine,
+    Softening,
+    StepwiseSoftening,
+    UnloadingLoss,
+)
 from crashkit_spring_laws.hysteresis import BoucWen
 from crashkit_spring_laws.measured_curve import MeasuredCurve
 from crashkit_spring_laws.piecewise_affine import PiecewiseAffine
@@ -59,6 +67,7 @@ SPRING_LAWS = (
     UnloadingLoss,
     ResidualSet,
     PlasticShare,
+    SecondLine,
     Fading,
     SmoothTable,
     RateTable,
@@ -96,6 +105,7 @@ __all__ = [
     "RatePower",
     "RateSaturating",
     "RateTable",
+    "SecondLine",
     "SmoothTable",
     "Softening",
     "StepwiseSoftening",

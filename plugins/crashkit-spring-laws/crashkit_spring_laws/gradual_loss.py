@@ -113,6 +113,26 @@ class PlasticShare(SpringLaw):
         return plastic_share
 
 
+class SecondLine(SpringLaw):
+    """Where a member turns to unloading less steeply, and how much less: "crush_plateau / second_line".
+
+    The second line begins at the share c of the force from which the first came, with r times its slope. Drawn back to where
+    the first began, it holds a share s = c + (1 - c) r of that force.
+    """
+
+    name = "second_line"
+    unit = "1"
+    parameters = (
+        ParameterSpec("turning_share", "1", "share of the force at which the second line begins (c)", lower=0.0, upper=1.0),
+        ParameterSpec("slope_ratio", "1", "slope of the second line over the first (r)", lower=1e-3, upper=1.0, null=1.0),
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, turning_share: float, slope_ratio: float) -> float:
+        """The share s."""
+        return turning_share + (1.0 - turning_share) * slope_ratio
+
+
 class Fading(SpringLaw):
     """A force of which a share fades under load: 1 - fading_share m, with m' = (1 - m) / tau while d > 0, and -m / tau else.
 

@@ -41,6 +41,7 @@ from crashkit_spring_laws import (
     RateSaturating,
     RateTable,
     ResidualSet,
+    SecondLine,
     SmoothTable,
     Softening,
     StepwiseSoftening,
@@ -117,6 +118,7 @@ EXAMPLES = [
     (UnloadingLoss, {"loss": 0.4, "unloading_length": 0.05}),
     (ResidualSet, {"loss": 0.9, "residual_share": 0.6, "unloading_exponent": 1.5}),
     (PlasticShare, {"plastic_share": 0.3}),
+    (SecondLine, {"turning_share": 0.5, "slope_ratio": 0.3}),
     (Softening, {"softening_deformation": 0.3, "softening_length": 0.2, "loss": 0.7}),
     (
         StepwiseSoftening,
