@@ -82,3 +82,18 @@ def test_the_first_part_of_the_time_is_that_part_of_every_residual(problem):
 
 def test_an_instrument_that_begins_later_has_no_part_in_it(problem):
     assert problem.up_to(1e-6).groups == ()
+
+
+@pytest.mark.parametrize("share", [0.1, 0.3, 0.55])
+@pytest.mark.parametrize("frequency_class", [60, 180])
+def test_the_first_part_of_a_filtered_channel_sees_as_far_ahead_as_its_filter(problem, frequency_class, share):
+    registry = load()
+    runs = {run: filtered(tree, frequency_class) for run, tree in problem.recordings.items()}
+    believed = Misfit(problem.model, runs, registry.spring_laws, registry.observers)
+    read = believed.predictor.predict_at(believed.parameters(believed.start()))
+    for group, one in zip(believed.groups, read, strict=True):
+        runs[group.run][group.name][group.observer.quantity].values[...] = one.samples.reshape(group.recorded.shape)[..., None]
+    exact = Misfit(problem.model, runs, registry.spring_laws, registry.observers)
+    early = exact.up_to(share)
+    assert np.abs(early.residual(early.start())).max() < 0.05
+    assert early.independent_samples == pytest.approx(share * exact.independent_samples, rel=0.05)

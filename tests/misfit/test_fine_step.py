@@ -49,6 +49,16 @@ def test_a_fast_model_gets_a_step_whose_error_is_below_the_noise(seldom, factor)
     assert error(misfit, step) < LITTLE
 
 
+def test_what_is_read_often_is_still_read_between_in_steps_as_short_as_the_noise_asks(recorded, model, misfit):
+    """Halving a step that the readings cut short anyway changes nothing, and says nothing."""
+    fast, interval = stiff(model, 3e4), 2e-4
+    read = misfit(fast, run=recorded(fast, interval=interval, end=0.1))
+    step = fine_step(read)
+    assert step < interval < STEP
+    assert error(read, STEP) > LITTLE
+    assert error(read, step) < LITTLE
+
+
 @pytest.mark.parametrize("factor", [1.0, 3e3, 3e4])
 def test_few_instants_of_densely_sampled_readings_are_simulated_to_their_noise(recorded, model, misfit, factor):
     """The steps of the integration were short only because the samples were."""
