@@ -1,11 +1,13 @@
 """A diagnosis from end to end, on a mass and a wall: what is concealed is found, and nothing else."""
 
 import json
+from functools import partial
 
 import numpy as np
 import pytest
 from attrs import evolve
 
+from crashkit.data.channel_filter import filter_channel
 from crashkit.diagnose import diagnose
 from crashkit.diagnose.result import place_of, run_name
 from crashkit.model import Joint, Parameter
@@ -74,13 +76,26 @@ def snapping(diagnosed, model):
 
 
 @pytest.fixture(scope="module")
-def stopped_late(diagnosed, simulated, model):
+def stopped_late(stopping_late):
+    return stopping_late()
+
+
+@pytest.fixture(scope="module")
+def stopping_late(diagnosed, simulated, model):
     """Something hard is hit, but only in the run that is held out."""
     reached = [float(simulated(model, speed)["deformation"].max()) for speed in SPEEDS.values()]
     stop = {"stiffness": _fixed(6e5), "stop_deformation": _fixed(0.5 * (reached[1] + reached[2]))}
     (spring,) = model.joints
     hard = evolve(spring, law="crush_plateau + linear_stop", parameters={**spring.parameters, **stop})
-    return diagnosed(evolve(model, joints=(hard,)), rivals=("bias", "bottoming", "viscous_damping"))
+    return partial(diagnosed, evolve(model, joints=(hard,)), rivals=("bias", "bottoming", "viscous_damping"))
+
+
+def _filtered(dataset):
+    """To CFC 180, with a noise that nobody states."""
+    read, times = dataset["acceleration"], dataset["time"].values
+    filtered = read.copy(data=filter_channel(read.values, times, 180.0, read.dims.index("time"), before=0.0))
+    untold = dataset.assign(acceleration=filtered).drop_vars("acceleration_std")
+    return untold.assign_attrs(channel_frequency_class=180)
 
 
 def _fixed(value):
@@ -145,6 +160,11 @@ def test_what_only_the_held_out_run_shows_is_found_and_nothing_is_called_predict
     assert stopped_late.fits["holdout"] == {} and stopped_late.curves["faster.nc/film"].attrs["holdout"] == 0
     assert stopped_late.summary.endswith(stopped_late.notes[0])
     assert stopped_late.notes[0].startswith("faster.nc: ") and "nothing here was predicted" in stopped_late.notes[0]
+
+
+def test_so_it_is_where_the_noise_of_an_instrument_is_open(stopping_late):
+    (finding,) = stopping_late(accelerometer=_filtered).findings
+    assert (finding.physics, dict(finding.location)) == ("bottoming", {"joint": "first"})
 
 
 def test_curves_hold_what_was_recorded_and_both_models(bias):

@@ -13,7 +13,6 @@ from crashkit.diagnose.left_out import left_out_drop
 from crashkit.diagnose.look import LEAST_DROP, Round, _is_given, _least_drop, settled
 from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.needed import _asked, needed, price
-from crashkit.diagnose.reidentify import reidentify
 from crashkit.diagnose.rounds import Discovery, _corrects, _is_confirmed, _was_asked, reconsidered
 from crashkit.diagnose.search import begin
 from crashkit.model import Joint, Parameter
@@ -227,14 +226,6 @@ def test_physics_that_is_there_predicts_runs_that_were_left_out(offered):
 def test_one_run_leaves_nothing_to_predict(offered):
     _, base, final = offered(800.0)
     assert np.isnan(left_out_drop(base.fitted().with_recordings(("slow",)), final))
-
-
-def test_the_given_model_is_found_again_from_far_away(workshop, model, misfit, recorded):
-    """Thresholds twice as large as they are, from which steps downhill end elsewhere."""
-    far = model.with_values({path: 2.0 * p.value for path, p in model.free_parameters().items()})
-    given = misfit(far, slow=recorded(model, 0.9, 1), fast=recorded(model, 1.2, 2))
-    search = reidentify(workshop, given)
-    assert search.normalised == pytest.approx(1.0, abs=0.05)
 
 
 @pytest.mark.parametrize(("place", "convinces"), [({"joint": "front"}, False), ({"sensor": "front", "instrument": "a"}, True)])
