@@ -12,9 +12,9 @@ from crashkit.protocols import Identifier
 MOST, LEAST = 0.04, 0.005
 """Shares of the time recorded that are taken in at once: at first, and where more misled the search again and again."""
 LONGER = 1.5
-"""By which the next share is, after one that was understood."""
+"""By which factor the next share is, after one that was understood."""
 MISLED = 1.3
-"""How often what is left may grow by a share that was understood."""
+"""The factor by which what is left may grow with a share that was understood."""
 STEPS = 12
 """For each share."""
 
@@ -32,7 +32,8 @@ def grown(identifier: Identifier[Any], misfit: Misfit) -> Mapping[str, float]:
     """The values to which a search from the misfit's own ones comes that sees the recordings little by little.
 
     An event that a wrong number shifts makes all that follows wrong at once. A search that is shown two more of them together
-    settles on the wrong side of one, and leaves much more than before; then it is shown half as much.
+    settles on the wrong side of one, and leaves much more than before; then it is shown half as much. What it was not shown yet
+    it leaves where the misfit's prior says.
     """
     seen, share = _Seen(0.0, misfit.values(misfit.start()), 1.0), MOST
     while seen.share < 1.0:

@@ -128,7 +128,7 @@ def _joined(first: type[SpringLaw], second: type[SpringLaw], sign: str) -> type[
     if sign == " ~ ":
         other = ", ".join([f"first({one})", *_arguments(second)[1:]])
     fresh = ", ".join(["d", "ddot", "d", *_arguments(first)[3:]])
-    softer = one.replace(SLOPE, f"{SLOPE} * {RATIO} / second({other})")
+    softer = ", ".join(f"{SLOPE} * {RATIO} / second({other})" if name == SLOPE else name for name in _arguments(first))
     total = {
         " | ": f"first({one}) + second({other})",
         " % ": f"second({other}) * first({one}) + (1.0 - second({other})) * first({fresh})",

@@ -2,10 +2,12 @@
 
 import pytest
 import xarray as xr
-from attrs import evolve
+from attrs import evolve, frozen
 
-from crashkit.diagnose.name import propose_all
+from crashkit.diagnose import name as naming
+from crashkit.diagnose.name import further_rivals, propose_all
 from crashkit.diagnose.regress import regressed
+from crashkit.diagnose.search import begin
 from crashkit.model import Body, Joint, Parameter
 from crashkit.model.edit import with_body, with_joint
 
@@ -111,3 +113,25 @@ def test_an_instrument_has_no_equation_of_motion(rough, claims, led):
     told = claims(rough, "gain_error", "peak_load")
     assert {proposal.physics for proposal in told} == {"gain_error", "peak_load"}
     assert {proposal.physics for proposal, _ in led(rough, told)} == {"peak_load"}
+
+
+@frozen
+class Led:
+    """The end of a search, as far as it is asked for here."""
+
+    excess: float
+    normalised: float = 2.0
+    deviance: float = 1e9
+
+
+@pytest.mark.parametrize(("left", "asked"), [(0.1, {"bias"}), (0.5, {"bias", "bottoming"})])
+def test_where_a_claim_is_led_well_only_instruments_are_simulated(workshop, rough, claims, monkeypatch, left, asked):
+    proposals = claims(rough, "bias", "bottoming")
+    before = begin(workshop.identifier, rough).excess
+    stop = next(p for p in proposals if p.physics == "bottoming")
+    monkeypatch.setattr(naming, "regressed", lambda *_: [(stop, Led(left * before))])
+    scored = []
+    monkeypatch.setattr(naming, "scores", lambda *args: scored.extend(args[2]) or [])
+    monkeypatch.setattr(naming, "ranked_by_evidence", lambda fitted, reference: [])
+    further_rivals(workshop, rough, rough, proposals, [], True, silent)
+    assert {p.physics for p in scored} == asked

@@ -31,10 +31,8 @@ class PlasticUnloading(Hypothesis):
         """Every joint whose law can unload by its own slope and does not."""
         elastic = [joint for joint in model.joints if _is_elastic(joint)]
         used = [joint for joint in elastic if largest_deformation(motion, joint.name) > 0]
-        forms = (
-            *(self._line, self._fading, self._set, self._line_of_a_share, self._fading_of_a_share),
-            *(self._two_lines, self._two_lines_of_a_share),
-        )
+        plain = (self._line, self._fading, self._set, self._line_of_a_share, self._fading_of_a_share)
+        forms = (*plain, self._two_lines, self._two_lines_of_a_share)
         return [one for joint in used for form in forms if (one := form(model, joint, motion)) is not None]
 
     def _line(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> Proposal:
