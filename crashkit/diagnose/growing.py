@@ -32,8 +32,8 @@ def grown(identifier: Identifier[Any], misfit: Misfit) -> Mapping[str, float]:
     """The values to which a search from the misfit's own ones comes that sees the recordings little by little.
 
     An event that a wrong number shifts makes all that follows wrong at once. A search that is shown two more of them together
-    settles on the wrong side of one, and leaves much more than before; then it is shown half as much. What it was not shown yet
-    it leaves where the misfit's prior says.
+    settles on the wrong side of one, and leaves much more than before; then it is shown half as much. What it was not shown
+    yet it leaves where the misfit's prior says.
     """
     seen, share = _Seen(0.0, misfit.values(misfit.start()), 1.0), MOST
     while seen.share < 1.0:
