@@ -1,7 +1,7 @@
 """Energy and momentum over random multigraphs of bodies and joints."""
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from crashkit.model import Body, Model, Parameter
@@ -64,17 +64,31 @@ def assemble(structure, joint):
     )
 
 
+SUDDEN_STOP = (
+    [("body 0", 50.0, -0.0, 0.0, False), ("body 1", 50.0, -0.8, 0.01, False)],
+    [([0, 1], ("coulomb", {"friction_force": 2e4}))],
+)
+"""Between two instants."""
+
+
 @settings(max_examples=40, deadline=None)
 @given(structures())
+@example(SUDDEN_STOP)
 def test_what_the_bodies_lose_the_joints_take(simulator, joint, structure):
     model = assemble(structure, joint)
     motion = simulator(model).run(TIMES)
     mass = np.array([body.mass.value if body.mass else 0.0 for body in model.bodies])
     kinetic = 0.5 * motion["velocity"].values[:, :, 0] ** 2 @ mass
     power = (motion["force"] * motion["deformation_rate"]).sum("joint").values
-    absorbed = np.concatenate([[0.0], np.cumsum(0.5 * (power[1:] + power[:-1]) * np.diff(TIMES))])
-    # Friction that stops a slow body does so between a few instants, which the rule of trapezoids sees to 3e-4.
-    np.testing.assert_allclose(kinetic + absorbed, kinetic[0], atol=1e-3 * kinetic[0] + 1e-9)
+    absorbed, with_half = _integral(power, TIMES)[::2], _integral(power[::2], TIMES[::2])
+    # Friction that stops a slow body does so between a few instants: what half of them say tells how well all say it.
+    unsure = np.abs(absorbed - with_half)
+    assert np.all(np.abs(kinetic[::2] + absorbed - kinetic[0]) < 1e-3 * kinetic[0] + 1e-9 + unsure)
+
+
+def _integral(rate, times):
+    """By trapezoids, from the first instant to each."""
+    return np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(times))])
 
 
 @settings(max_examples=40, deadline=None)
