@@ -85,7 +85,7 @@ def _with_clock(
 def _clock(workshop: Workshop, given: Misfit, base_search: Search, late: Mapping[str, float]) -> Round:
     """Which of these clocks is wrong: the model is re-identified with the stamps of one or the other put right."""
     current = base_search.fitted()
-    claims = [p for p in propose_all(workshop.hypotheses, current) if p.physics == CLOCK and p.location["instrument"] in late]
+    claims = [p for p in propose_all(workshop, current) if p.physics == CLOCK and p.location["instrument"] in late]
     fitted = []
     for claim in claims:
         instrument, (path,) = str(claim.location["instrument"]), claim.parameters

@@ -56,7 +56,7 @@ def in_all_forms(
     if without is None:
         return []
     origin, found = without.misfit.with_values_of(search.fitted()), search.misfit.values(search.point)
-    forms = [p for p in propose_all(workshop.hypotheses, origin) if identity(p) == rival.identity]
+    forms = [p for p in propose_all(workshop, origin) if identity(p) == rival.identity]
     is_told = rival.proposal.parameters[0] in found
     if is_told and len(forms) < 2:
         return []

@@ -30,7 +30,7 @@ def imitating(workshop: Workshop, base_search: Search, table: Rival, progress: P
         base_search: the fit of the model without the estimate.
     """
     origin, place = base_search.misfit.with_values_of(table.search.fitted()), place_of(table.proposal.location)
-    known = [p for p in propose_all(workshop.hypotheses, origin) if p.physics != UNKNOWN and place_of(p.location) == place]
+    known = [p for p in propose_all(workshop, origin) if p.physics != UNKNOWN and place_of(p.location) == place]
     equipped = workshop.equipped([proposal.model for proposal in known])
     here = tuple(f"{kind}.{name}." for kind, name in table.proposal.location.items())
     starts = [(proposal, {**proposal.null, **start}) for proposal in known for start in proposal.starts]

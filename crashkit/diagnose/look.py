@@ -74,7 +74,7 @@ def look_again(
         begun: the look that did.
     """
     known = {rival.identity for rival in found}
-    everything = [p for p in propose_all(workshop.hypotheses, current) if concerns is None or concerns(p, current.model)]
+    everything = [p for p in propose_all(workshop, current) if concerns is None or concerns(p, current.model)]
     proposals = [p for p in everything if identity(p) not in known and _is_given(given.model, p.location)]
     equipped = workshop.equipped([p.model for p in proposals])
     least = _least_drop(found)

@@ -1,6 +1,6 @@
 """Name the physics: every hypothesis at every place is scored, the promising ones are fitted, the fitted ones are ranked."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 from attrs import frozen
@@ -25,7 +25,7 @@ from crashkit.diagnose.score import Score
 from crashkit.diagnose.search import Search, begin
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
-from crashkit.protocols import Hypothesis, Proposal
+from crashkit.protocols import Proposal
 
 STARTS = 2
 """How many starts of each form of each claim are fitted from the given values; one is from the re-identified ones."""
@@ -65,12 +65,11 @@ class Limit:
     smallest: float
 
 
-def propose_all(hypotheses: Mapping[str, type[Hypothesis]], base: Misfit) -> list[Proposal]:
-    """Every hypothesis at every place of the model, in every form."""
+def propose_all(workshop: Workshop, base: Misfit) -> list[Proposal]:
+    """Every hypothesis at every place of the model, in every form that can be fitted."""
     values = {name: parameter.value for name, parameter in base.model.free_parameters().items()}
     motions = [base.predictor.motion(run, values) for run in base.recordings]
-    recordings = list(base.recordings.values())
-    return [p for kind in hypotheses.values() for p in kind().propose(base.model, motions, recordings)]
+    return workshop.proposals(base.model, motions, list(base.recordings.values()))
 
 
 def nearest_rivals(

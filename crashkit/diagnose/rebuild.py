@@ -19,7 +19,7 @@ def rebuild(workshop: Workshop, base_search: Search, rivals: Sequence[Rival], la
     search = base_search
     for rival in rivals:
         current = search.fitted()
-        proposal = next((p for p in propose_all(workshop.hypotheses, current) if is_same(p, rival.proposal)), None)
+        proposal = next((p for p in propose_all(workshop, current) if is_same(p, rival.proposal)), None)
         if proposal is None:
             return None
         found = {**rival.search.misfit.values(rival.search.point), **last.misfit.values(last.point)}

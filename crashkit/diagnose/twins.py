@@ -55,7 +55,7 @@ def _twins(workshop: Workshop, look: Round, others: Sequence[Rival]) -> list[Ent
     if without is None:
         return []
     origin, known = without.misfit.with_values_of(winner.search.fitted()), {rival.identity for rival in (winner, *others)}
-    alike = [p for p in propose_all(workshop.hypotheses, origin) if {own_name(path) for path in p.parameters} == set(numbers)]
+    alike = [p for p in propose_all(workshop, origin) if {own_name(path) for path in p.parameters} == set(numbers)]
     twins = [twin for twin in alike if identity(twin) not in known]
     equipped = workshop.equipped([twin.model for twin in twins])
     starts = [{path: numbers[own_name(path)] for path in twin.parameters} for twin in twins]

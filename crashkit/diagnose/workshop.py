@@ -1,17 +1,17 @@
 """What a diagnosis works with: the installed plugins, an identifier, and one compiled engine for every model it tries."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from attrs import evolve, field, frozen
 
-from crashkit.mechanics import Engine, compile_engine, functions_of
+from crashkit.mechanics import Engine, can_be_derived, compile_engine, functions_of
 from crashkit.misfit import Misfit
 from crashkit.misfit.predictor import STEP
 from crashkit.model import Model
-from crashkit.protocols import Hypothesis, Identifier, Observer, Smoother, SpringLaw
+from crashkit.protocols import Hypothesis, Identifier, Observer, Proposal, Smoother, SpringLaw
 
 
 @frozen
@@ -51,9 +51,15 @@ class Workshop:
         Compiling takes seconds, so it is done once: the hypotheses are asked beforehand, with a motion that excites all.
         """
         motion, recordings = [_lively_motion(model)], list(recordings)
-        proposals = [p for kind in self.hypotheses.values() for p in kind().propose(model, motion, recordings)]
-        models = [model, *(proposal.model for proposal in proposals)]
+        models = [model, *(proposal.model for proposal in self.proposals(model, motion, recordings))]
         return self.equipped([*models, *(_side_by_side(one) for one in models)])
+
+    def proposals(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
+        """What the hypotheses say may be left out of a model, where the laws that it takes give sensitivities: a long curve
+        has no room for all that others have."""
+        own = functions_of(model, self.laws)
+        proposed = (p for kind in self.hypotheses.values() for p in kind().propose(model, motion, recordings))
+        return [p for p in proposed if all(map(can_be_derived, functions_of(p.model, self.laws) - own))]
 
 
 def _side_by_side(model: Model) -> Model:

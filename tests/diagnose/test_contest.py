@@ -60,7 +60,7 @@ def test_claims_that_are_scored_from_the_given_values_begin_there(workshop, mode
     """They are built on the re-identified model, whose numbers may hide what is missing."""
     given = misfit(model, run=recorded(model))
     driven = given.with_values({"joint.first.crush_force": 3e4})
-    proposals = [p for p in propose_all(workshop.hypotheses, driven) if p.physics == "clearance"]
+    proposals = [p for p in propose_all(workshop, driven) if p.physics == "clearance"]
     equipped = workshop.equipped([p.model for p in proposals])
     found = scores(equipped, given, proposals, np.inf, lambda doing, share: None)
     own = {name: value for name, value in given.values(given.start()).items() if "clearance" not in name}
@@ -72,7 +72,7 @@ def test_claims_that_are_scored_from_the_given_values_begin_there(workshop, mode
 def scouts(workshop, model, misfit, recorded):
     """What each of some claims leaves where its scout ends."""
     given = misfit(model.with_values({"joint.first.crush_force": 3e4}), run=recorded(model))
-    proposals = [p for p in propose_all(workshop.hypotheses, given) if p.physics in ("clearance", "viscous_damping")]
+    proposals = [p for p in propose_all(workshop, given) if p.physics in ("clearance", "viscous_damping")]
     equipped = workshop.equipped([p.model for p in proposals])
     starts = [(p, dict(p.starts[0])) for p in proposals]
 

@@ -27,7 +27,7 @@ def look(workshop, base):
     """A look that one form of a physics has won, fitted beside some findings."""
 
     def at(before, physics, form):
-        proposals = propose_all(workshop.hypotheses, before.fitted())
+        proposals = propose_all(workshop, before.fitted())
         proposal = next(p for p in proposals if (p.physics, p.form) == (physics, form))
         start = workshop.misfit(before.fitted(), proposal.model).with_values({proposal.parameters[0]: 100.0})
         found = begin(workshop.identifier, start).advance(60)

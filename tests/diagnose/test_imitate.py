@@ -29,7 +29,7 @@ def base(workshop, model, recorded, misfit):
 @pytest.fixture(scope="module")
 def table(workshop, base):
     """The force that is missing, estimated as a table of the deformation."""
-    proposal = next(p for p in propose_all(workshop.hypotheses, base.fitted()) if p.form == "deformation")
+    proposal = next(p for p in propose_all(workshop, base.fitted()) if p.form == "deformation")
     search = begin(workshop.identifier, workshop.misfit(base.fitted(), proposal.model)).advance(60)
     return rival_of(proposal, search, base.deviance)
 

@@ -26,7 +26,7 @@ def claims(workshop):
     """Claims of some physics."""
 
     def of(given, *physics):
-        return [p for p in propose_all(workshop.hypotheses, given) if p.physics in physics and not p.refined]
+        return [p for p in propose_all(workshop, given) if p.physics in physics and not p.refined]
 
     return of
 

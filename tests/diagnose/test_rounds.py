@@ -204,7 +204,7 @@ def test_a_load_on_a_stiff_tie_gives_way_to_a_mass_that_is_wrong(workshop, misfi
     two = toys.two_degrees().with_parameters({"body.rear.mass": rear})
     true = two.with_parameters({"body.rear.mass": evolve(rear, value=1.2 * rear.value)})
     base = begin(workshop.identifier, misfit(two, slow=recorded(true, 0.9, 1), fast=recorded(true, 1.2, 2))).advance(40)
-    everything = [p for p in propose_all(workshop.hypotheses, base.fitted()) if p.location == {"body": "rear"}]
+    everything = [p for p in propose_all(workshop, base.fitted()) if p.location == {"body": "rear"}]
     mass = next(p for p in everything if p.physics == "added_mass")
     load = next(p for p in everything if p.form == "tied")
     begun = [

@@ -66,7 +66,7 @@ def test_a_promise_stops_at_the_bounds(workshop, model, recorded, misfit):
 
 def test_what_is_known_of_the_model_without_the_physics_changes_no_score(workshop, model, recorded, misfit):
     base = misfit(model, run=recorded(model, accelerometer=offset(0.7))).with_prior(0.1)
-    known, proposals = tangent(base, base.start()), propose_all(workshop.hypotheses, base)
+    known, proposals = tangent(base, base.start()), propose_all(workshop, base)
     equipped = workshop.equipped([model, *(proposal.model for proposal in proposals)])
     joined = 0
     for proposal in proposals:

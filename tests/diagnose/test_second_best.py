@@ -1,6 +1,7 @@
 """Where a further run contradicts an answer, the one of its rivals that explains all runs is told."""
 
 import pytest
+from attrs import evolve
 
 from crashkit.diagnose.evidence import rival_of
 from crashkit.diagnose.name import propose_all
@@ -20,7 +21,8 @@ def contradicted(workshop, model, misfit, recorded):
     base = begin(workshop.identifier, alone).advance(40)
 
     def ask(*claims):
-        proposals = propose_all({name: workshop.hypotheses[name] for name in claims}, base.fitted())
+        asked = evolve(workshop, hypotheses={name: workshop.hypotheses[name] for name in claims})
+        proposals = propose_all(asked, base.fitted())
         first = {proposal.physics: proposal for proposal in reversed(proposals)}
         fits = [begin(workshop.identifier, workshop.misfit(base.fitted(), first[name].model)).advance(20) for name in claims]
         rivals = [rival_of(first[name], fit, base.deviance) for name, fit in zip(claims, fits, strict=True)]

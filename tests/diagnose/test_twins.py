@@ -22,7 +22,7 @@ def rubbing(workshop, model, misfit, recorded):
     fixed = {name: Parameter(value, fixed=True) for name, value in FRICTION.items()}
     true = with_joint(model, Joint("rub", ("wall", "front"), "coulomb", fixed))
     base = begin(workshop.identifier, misfit(model, slow=recorded(true, 0.9, 1), fast=recorded(true, 1.2, 2))).advance(40)
-    proposals = propose_all(workshop.hypotheses, base.fitted())
+    proposals = propose_all(workshop, base.fitted())
     falling = next(p for p in proposals if (p.physics, p.form) == ("joint_friction", "falling"))
     start = workshop.misfit(base.fitted(), falling.model).with_values(falling.starts[0])
     return base, falling, begin(workshop.identifier, start).advance(60)
@@ -59,7 +59,7 @@ def test_the_likeliest_of_them_is_told(beside, rubbing):
 
 def test_an_estimated_force_has_no_twins(workshop, model, misfit, recorded):
     base = begin(workshop.identifier, misfit(model, run=recorded(model)))
-    table = next(p for p in propose_all(workshop.hypotheses, base.fitted()) if p.physics == "unknown")
+    table = next(p for p in propose_all(workshop, base.fitted()) if p.physics == "unknown")
     search = begin(workshop.identifier, workshop.misfit(base.fitted(), table.model))
     look = Round((rival_of(table, search, base.deviance),), (1.0,), 0.0, base.fitted())
     discovery = Discovery(base.fitted(), search.fitted(), search, (look,))

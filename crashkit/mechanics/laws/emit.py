@@ -10,6 +10,7 @@ guard.
 import ast
 import re
 from collections.abc import Callable, Iterable, Iterator
+from functools import cache
 
 from crashkit.mechanics.laws.backward import go_back
 from crashkit.mechanics.laws.lower import lower
@@ -38,6 +39,16 @@ def emit(function: LawFunction, name: str) -> str:
     program = lower(function)
     parts = [_mode, _frozen, _distance, _partials, *([_guard] if function.law.jumps else [])]
     return "\n\n".join(part(program, name) for part in parts)
+
+
+@cache
+def can_be_derived(function: LawFunction) -> bool:
+    """Whether branches and sensitivities of a law follow from its source."""
+    try:
+        emit(function, "law")
+    except OutsideSubset:
+        return False
+    return True
 
 
 def _mode(program: Program, name: str) -> str:

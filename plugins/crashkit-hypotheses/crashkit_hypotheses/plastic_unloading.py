@@ -15,8 +15,6 @@ LEVEL = Parameter(1.0, fixed=True)
 """N/m, a slope so small that the joint keeps its largest force on the way back, for a factor to lessen."""
 WHOLE = Parameter(1.0, fixed=True)
 SHARE = Parameter(0.0, 0.0, 1.0)
-LONGEST = 16
-"""Corners of a curve that a share is sought for: it takes each of them twice, and a law has room for some sixty branches."""
 
 
 class PlasticUnloading(Hypothesis):
@@ -80,8 +78,8 @@ class PlasticUnloading(Hypothesis):
         starts: list[dict[str, float]],
     ) -> Proposal | None:
         """A law for a share of the joint, where the two fit together."""
-        name, corners = f"{law} % plastic_share", joint.parameters.get("deformation", ())
-        if name not in load().spring_laws or (isinstance(corners, tuple) and len(corners) > LONGEST):
+        name = f"{law} % plastic_share"
+        if name not in load().spring_laws:
             return None
         numbers = {"plastic_share": SHARE, **numbers}
         return changed(model, evolve(joint, law=name), self.physics, form, numbers, "plastic_share", starts)

@@ -161,18 +161,6 @@ def test_an_obstacle_that_nothing_presses_on_does_not_move(propose, runs):
     assert propose("obstacle_motion", motion=still) == []
 
 
-@pytest.mark.parametrize(("corners", "shared"), [(16, True), (17, False)])
-def test_a_share_is_not_sought_of_a_curve_with_very_many_corners(propose, model, corners, shared):
-    curve = {
-        "deformation": tuple(Parameter(0.05 * (i + 1)) for i in range(corners)),
-        "force": (Parameter(1e4),) * corners,
-        "unloading_stiffness": FIXED,
-    }
-    joints = tuple(evolve(joint, law="piecewise_affine", parameters=curve) for joint in model.joints)
-    forms = {proposal.form for proposal in propose("plastic_unloading", evolve(model, joints=joints))}
-    assert ("line of a share" in forms, "line" in forms) == (shared, True)
-
-
 def test_how_fast_an_obstacle_must_slide_is_only_sought_where_sliding_leads(propose):
     forms = {proposal.form: proposal for proposal in propose("obstacle_motion")}
     plain, slow = forms["sliding"], forms["sliding slowly"]
