@@ -15,6 +15,8 @@ LONGER = 1.5
 """By which factor the next share is, after one that was understood."""
 MISLED = 1.3
 """The factor by which what is left may grow with a share that was understood."""
+LOST = 100.0
+"""Residual over noise of the least share from which no search comes back."""
 STEPS = 12
 """For each share."""
 
@@ -33,13 +35,19 @@ def grown(identifier: Identifier[Any], misfit: Misfit) -> Mapping[str, float]:
 
     An event that a wrong number shifts makes all that follows wrong at once. A search that is shown two more of them together
     settles on the wrong side of one, and leaves much more than before; then it is shown half as much. What it was not shown
-    yet it leaves where the misfit's prior says.
+    yet it leaves where the misfit's prior says. One that is lost ends where it still understood something: to go on would
+    take very many steps, of forces that are beyond all measure.
     """
     seen, share = _Seen(0.0, misfit.values(misfit.start()), 1.0), MOST
     while seen.share < 1.0:
         ahead = _ahead(identifier, misfit.coarse, seen, min(1.0, seen.share + share))
-        is_misled = ahead.left > MISLED * max(seen.left, 1.0) and share > LEAST
-        seen, share = (seen, max(0.5 * share, LEAST)) if is_misled else (ahead, min(LONGER * share, MOST))
+        is_misled = ahead.left > MISLED * max(seen.left, 1.0)
+        if is_misled and share > LEAST:
+            share = max(0.5 * share, LEAST)
+        elif is_misled and ahead.left > LOST:
+            break
+        else:
+            seen, share = ahead, min(LONGER * share, MOST)
     return seen.values
 
 
