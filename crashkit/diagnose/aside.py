@@ -55,7 +55,7 @@ def suspects(misfit: Misfit, checks: xr.Dataset) -> tuple[Suspect, ...]:
 
 
 def late_clocks(checks: xr.Dataset) -> dict[str, float]:
-    """By how much, in s, one instrument or another must be late; none unless that explains all that they say of all bodies."""
+    """By how much, in s, one instrument or another must be late; none unless that explains all that they say of most bodies."""
     worst = _worst(checks)
     late = worst.where((worst["sigma"] > SIGNIFICANT) & (worst["error"] == CLOCK), drop=True)
     if not late.sizes["check"]:
@@ -65,7 +65,8 @@ def late_clocks(checks: xr.Dataset) -> dict[str, float]:
     clocks = checks.where((checks["film"] == film) & (checks["accelerometer"] == accelerometer), drop=True)
     clocks = clocks.where(clocks["error"] == CLOCK, drop=True)
     apart = np.abs(clocks["estimate"] - offset) > np.maximum(SIGNIFICANT * clocks["std"], ALIKE * abs(offset))
-    return {} if bool((apart | (clocks["left"] > LEFT)).any()) else {film: -offset, accelerometer: offset}
+    agree = ~apart & (clocks["left"] <= LEFT)
+    return {film: -offset, accelerometer: offset} if agree.mean() > 0.5 else {}
 
 
 def _worst(checks: xr.Dataset) -> xr.Dataset:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from crashkit.diagnose.aside import late_clocks, on_time, suspects, without
 from crashkit.diagnose.consistency import by_run, check_instruments
@@ -53,6 +54,16 @@ def test_how_late_film_and_accelerometer_are_against_each_other_is_known_before_
 def test_clocks_are_right_where_something_else_explains_the_contradiction(recorded, misfit, model):
     assert late_clocks(checked(misfit(model, slow=recorded(model, 0.9, 1)))) == {}
     assert late_clocks(checked(misfit(model, slow=recorded(model, 0.9, 1, accelerometer=shifted)))) == {}
+
+
+def test_a_clock_is_late_where_most_bodies_say_so(recorded, misfit, model):
+    def said_of(body, change):
+        checks = checked(misfit(model, slow=recorded(model, 0.9, 1, accelerometer=change)))
+        return checks.assign(body=("check", [body] * checks.sizes["check"]))
+
+    front, rear, sensor = said_of("front", late), said_of("rear", late), said_of("engine", shifted)
+    assert late_clocks(xr.concat([front, rear, sensor], "check")) == late_clocks(front) != {}
+    assert late_clocks(xr.concat([front, sensor], "check")) == {}
 
 
 def test_stamps_are_put_right(recorded, model):
