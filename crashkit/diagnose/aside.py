@@ -55,7 +55,7 @@ def suspects(misfit: Misfit, checks: xr.Dataset) -> tuple[Suspect, ...]:
 
 
 def late_clocks(checks: xr.Dataset) -> dict[str, float]:
-    """By how much, in s, one instrument or another must be late; none unless that explains all that they say of most bodies."""
+    """By how much, in s, one of two instruments must be late; none unless that explains all that they say of most bodies."""
     worst = _worst(checks)
     late = worst.where((worst["sigma"] > SIGNIFICANT) & (worst["error"] == CLOCK), drop=True)
     if not late.sizes["check"]:
