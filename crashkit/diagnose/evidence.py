@@ -88,5 +88,10 @@ def is_at_noise(search: Search) -> bool:
 
 def explains(search: Search) -> bool:
     """Whether nothing is left that another claim could explain better, and no number had to be strained for it."""
+    return is_at_noise(search) and is_sound(search)
+
+
+def is_sound(search: Search) -> bool:
+    """Whether the noise is told, and no number had to be strained for the fit."""
     told = all(channel.noise.trusted for channel in search.misfit.channels)
-    return told and is_at_noise(search) and bool(search.misfit.departure(search.point) < STRAINED)
+    return told and bool(search.misfit.departure(search.point) < STRAINED)

@@ -18,7 +18,7 @@ from crashkit.diagnose.contest import (
     scouted,
 )
 from crashkit.diagnose.evidence import FLOOR, STRAINED, Rival, explains, ranked_by_evidence
-from crashkit.diagnose.regress import regressed
+from crashkit.diagnose.regress import opened, regressed
 from crashkit.diagnose.reidentify import reidentify, scattered
 from crashkit.diagnose.result import UNKNOWN
 from crashkit.diagnose.score import Score
@@ -35,8 +35,6 @@ their own: they begin far above the others, and need more steps to show what the
 CONCEALED = 1.3
 """Normalised residual of the re-identified model above which it may have hidden physics in wrong values of its own; then the
 hypotheses are also fitted from the values that the user gave."""
-LED = 0.2
-"""Of what the re-identified model leaves above the noise: a claim that leaves less was led well by the equations of motion."""
 POLISHED = 2
 """How many of the leading claims are then searched again."""
 SCATTERED = 6
@@ -114,7 +112,7 @@ def further_rivals(
     fitted = [(rival.proposal, rival.search) for rival in nearest]
     if afresh and may_conceal(base) and not _explained(fitted):
         plain = [proposal for proposal in proposals if not proposal.refined]
-        fitted += _from_given(workshop, base, given, plain, astray, progress)
+        fitted += _from_given(workshop, given, plain, astray, progress)
     ranked = ranked_by_evidence(fitted, deviance)
     if ranked:
         fitted += _polished(workshop, given, ranked, proposals, astray, progress)
@@ -139,19 +137,18 @@ def _astray(workshop: Workshop, base: Misfit) -> float:
 
 
 def _from_given(
-    workshop: Workshop, base: Misfit, given: Misfit, proposals: Sequence[Proposal], astray: float, progress: Progress
+    workshop: Workshop, given: Misfit, proposals: Sequence[Proposal], astray: float, progress: Progress
 ) -> list[Entrant]:
-    """Claims from the values that the user gave: along the measured motion, and where none explains everything, simulated.
-
-    Where one explains most, only what has no equation of motion is simulated.
+    """Claims from the values that the user gave: along the measured motion, and where none explains everything, those that
+    it says nothing about simulated.
     """
-    found = regressed(workshop, given, proposals, progress)
+    ends = opened(workshop, given, proposals, progress)
+    found = regressed(workshop, given, proposals, ends, progress)
     known = [search for proposal, search in found if proposal.physics != UNKNOWN]
     if any(search.normalised <= FLOOR and search.misfit.departure(search.point) < STRAINED for search in known):
         return found
-    if any(search.excess < LED * (_standing(base)[0] ** 2 - 1.0) for search in known):
-        proposals = [proposal for proposal in proposals if workshop.hypotheses[proposal.physics].sensor]
-    rough = promising(scores(workshop, given.coarse, proposals, np.inf, progress), STARTS, lambda _: LEAST_PROMISE)
+    rest = [proposal for proposal, end in zip(proposals, ends, strict=True) if end is None]
+    rough = promising(scores(workshop, given.coarse, rest, np.inf, progress), STARTS, lambda _: LEAST_PROMISE)
     return [*found, *heats(scouted(workshop, given, rough, GROWING, HEATS[0][0], astray, progress), HEATS, progress)]
 
 

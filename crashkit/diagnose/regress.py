@@ -26,35 +26,47 @@ End = tuple[Mapping[str, float], float]
 """Values by path, and what they leave of the equations."""
 
 
-def regressed(workshop: Workshop, given: Misfit, proposals: Sequence[Proposal], progress: Progress) -> list[Entrant]:
-    """Searches from where a regression of the measured accelerations leads each claim, with the model's own numbers.
+def opened(workshop: Workshop, given: Misfit, proposals: Sequence[Proposal], progress: Progress) -> list[End | None]:
+    """Where a short regression of the measured accelerations leads each claim, with the model's own numbers.
 
-    An acceleration depends on what acts on that body at that instant, and not on what was wrong before or elsewhere. A claim
-    about an instrument has no such equation, and is left out.
+    An acceleration depends on what acts on that body at that instant, and not on what was wrong before or elsewhere. None for
+    a claim that has no such equation, as those about an instrument.
     """
     # This also measures the motion, before copies of this process would each do so.
     if regression(workshop, [given]) is None:
-        return []
-    told = [proposal for proposal in proposals if not workshop.hypotheses[proposal.physics].sensor]
+        return [None] * len(proposals)
 
-    def opened(proposal: Proposal) -> End | None:
+    def end_of(proposal: Proposal) -> End | None:
+        if workshop.hypotheses[proposal.physics].sensor:
+            return None
         origin = workshop.misfit(given, proposal.model).with_values_of(given)
-        starts = [origin.with_values({**proposal.null, **start}) for start in proposal.starts]
-        return regression(workshop, starts, OPENING)
+        return regression(workshop, [origin.with_values({**proposal.null, **start}) for start in proposal.starts], OPENING)
+
+    def shown(done: int) -> None:
+        progress(f"regressing the equations of motion for {len(proposals)} claims", done / len(proposals))
+
+    return spread(end_of, proposals, shown)
+
+
+def regressed(
+    workshop: Workshop, given: Misfit, proposals: Sequence[Proposal], ends: Sequence[End | None], progress: Progress
+) -> list[Entrant]:
+    """Searches from where longer regressions lead the claims that leave least of the equations.
+
+    Arguments:
+        ends: where short ones have led them.
+    """
 
     def ended(claim: tuple[Proposal, End]) -> End | None:
         proposal, (values, _) = claim
         return regression(workshop, [workshop.misfit(given, proposal.model).with_values(values)])
 
-    def shown(done: int) -> None:
-        progress(f"regressing the equations of motion for {len(told)} claims", done / len(told))
-
-    ahead = _ranked(told, spread(opened, told, shown))[:CLAIMS]
+    ahead = _ranked(proposals, ends)[:CLAIMS]
     ahead = _ranked([proposal for proposal, _ in ahead], spread(ended, ahead))[: HEATS[0][0]]
     starts = [workshop.misfit(given, proposal.model).with_values(values) for proposal, (values, _) in ahead]
     progress(f"showing the recordings little by little to {len(starts)} claims", 0.0)
-    ends = spread(partial(grown, workshop.identifier), starts)
-    searches = begin_all(workshop.identifier, [start.with_values(end) for start, end in zip(starts, ends, strict=True)])
+    shown = spread(partial(grown, workshop.identifier), starts)
+    searches = begin_all(workshop.identifier, [start.with_values(values) for start, values in zip(starts, shown, strict=True)])
     return heats(list(zip((proposal for proposal, _ in ahead), searches, strict=True)), HEATS, progress)
 
 

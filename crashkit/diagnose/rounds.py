@@ -6,11 +6,11 @@ from attrs import field, frozen
 
 from crashkit.diagnose.beginnings import begun_otherwise
 from crashkit.diagnose.contest import Progress
-from crashkit.diagnose.evidence import FLOOR, UNEXPLAINED, Rival, explains
+from crashkit.diagnose.evidence import FLOOR, UNEXPLAINED, Rival, explains, is_sound
 from crashkit.diagnose.exchange import exchanged
 from crashkit.diagnose.forms import in_best_forms
 from crashkit.diagnose.in_time import in_time
-from crashkit.diagnose.look import Round, between, is_unknown, look_again, settled
+from crashkit.diagnose.look import FORM_ERRORS, Round, between, is_unknown, look_again, settled
 from crashkit.diagnose.name import CONCEALED, may_conceal
 from crashkit.diagnose.needed import price
 from crashkit.diagnose.pairs import named_before_unknown
@@ -54,8 +54,8 @@ class Discovery:
 def discovered(workshop: Workshop, given: Misfit, base_search: Search, progress: Progress) -> Discovery:
     """All findings that the evidence supports, each in the light of the others.
 
-    From the re-identified numbers first: where one cause in its best form explains everything from there, no wider search is
-    made.
+    From the re-identified numbers first: where one cause in its best form explains everything from there, or all but what no
+    further finding could be told for, no wider search is made.
 
     Arguments:
         given: the misfit of the model at the values that the user gave.
@@ -65,10 +65,16 @@ def discovered(workshop: Workshop, given: Misfit, base_search: Search, progress:
     found = None
     if may_conceal(base_search.fitted()):
         near, found = in_time((near, None), _nearby, workshop, given, base_search, near, progress)
-    if found is not None and len(found.rounds) == 1 and explains(found.search):
+    if found is not None and _suffices(found.rounds, found.search, base_search):
         return found
     wide = in_time(_won(base_search, near), _widely, workshop, given, base_search, near, found, progress)
     return wide if found is None else _cheaper(found, wide)
+
+
+def _suffices(rounds: Sequence[Round], search: Search, base_search: Search) -> bool:
+    """Whether one cause explains everything, or leaves less above the noise than a second one would have to explain."""
+    is_little = search.normalised < FLOOR and search.excess < FORM_ERRORS[0] * base_search.excess
+    return len(rounds) == 1 and (explains(search) or (is_little and is_sound(search)))
 
 
 def _cheaper(near: Discovery, wide: Discovery) -> Discovery:

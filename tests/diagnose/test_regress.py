@@ -2,12 +2,12 @@
 
 import pytest
 import xarray as xr
-from attrs import evolve, frozen
+from attrs import evolve
 
 from crashkit.diagnose import name as naming
 from crashkit.diagnose.name import further_rivals, propose_all
-from crashkit.diagnose.regress import regressed
-from crashkit.diagnose.search import begin
+from crashkit.diagnose.regress import opened, regressed
+from crashkit.errors import CrashkitError
 from crashkit.model import Body, Joint, Parameter
 from crashkit.model.edit import with_body, with_joint
 
@@ -15,6 +15,13 @@ FADING = {"fresh_share": 0.6, "relaxation_time": 0.03, "holds": 1.0}
 LOAD = {"mass": 150.0, "stiffness": 5e4, "damping": 500.0}
 STOP = {"stiffness": 3e5, "stop_deformation": 0.4}
 SPEEDS = {"slow": 0.9, "fast": 1.3}
+
+
+class NoMotion:
+    """An identifier that finds no motion measured."""
+
+    def start(self, misfit):
+        raise CrashkitError("expected film or accelerometers")
 
 
 def silent(doing, share):
@@ -36,7 +43,8 @@ def led(workshop):
     """Where the equations of motion lead claims."""
 
     def of(given, claims):
-        return regressed(workshop.equipped([p.model for p in claims]), given, claims, silent)
+        equipped = workshop.equipped([p.model for p in claims])
+        return regressed(equipped, given, claims, opened(equipped, given, claims, silent), silent)
 
     return of
 
@@ -115,23 +123,17 @@ def test_an_instrument_has_no_equation_of_motion(rough, claims, led):
     assert {proposal.physics for proposal, _ in led(rough, told)} == {"peak_load"}
 
 
-@frozen
-class Led:
-    """The end of a search, as far as it is asked for here."""
-
-    excess: float
-    normalised: float = 2.0
-    deviance: float = 1e9
-
-
-@pytest.mark.parametrize(("left", "asked"), [(0.1, {"bias"}), (0.5, {"bias", "bottoming"})])
-def test_where_a_claim_is_led_well_only_instruments_are_simulated(workshop, rough, claims, monkeypatch, left, asked):
-    proposals = claims(rough, "bias", "bottoming")
-    before = begin(workshop.identifier, rough).excess
-    stop = next(p for p in proposals if p.physics == "bottoming")
-    monkeypatch.setattr(naming, "regressed", lambda *_: [(stop, Led(left * before))])
+def test_only_what_has_no_equation_of_motion_is_simulated_from_the_given_values(workshop, rough, claims, monkeypatch):
+    proposals = claims(rough, "bias", "viscous_damping", "peak_load")  # none of which is the stop
     scored = []
     monkeypatch.setattr(naming, "scores", lambda *args: scored.extend(args[2]) or [])
-    monkeypatch.setattr(naming, "ranked_by_evidence", lambda fitted, reference: [])
     further_rivals(workshop, rough, rough, proposals, [], True, silent)
-    assert {p.physics for p in scored} == asked
+    assert {p.physics for p in scored} == {"bias"}
+
+
+def test_all_are_simulated_where_no_motion_was_measured(workshop, rough, claims, monkeypatch):
+    unseen = evolve(workshop, starter=NoMotion())
+    scored = []
+    monkeypatch.setattr(naming, "scores", lambda *args: scored.extend(args[2]) or [])
+    further_rivals(unseen, rough, rough, claims(rough, "bias", "viscous_damping"), [], True, silent)
+    assert {p.physics for p in scored} == {"bias", "viscous_damping"}
