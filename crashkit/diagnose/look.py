@@ -7,8 +7,8 @@ import numpy as np
 from attrs import evolve, field, frozen
 
 from crashkit.diagnose.contest import Progress, identity
-from crashkit.diagnose.evidence import Rival, best_forms, explains, probabilities, ranked_by_evidence
-from crashkit.diagnose.name import Limit, again, further_rivals, nearest_rivals, propose_all
+from crashkit.diagnose.evidence import UNEXPLAINED, Rival, best_forms, explains, probabilities, ranked_by_evidence
+from crashkit.diagnose.name import Limit, again, further_rivals, nearest_rivals, propose_all, standing
 from crashkit.diagnose.result import UNKNOWN
 from crashkit.diagnose.search import STEPS, advance_all, begin_all
 from crashkit.diagnose.workshop import Workshop
@@ -29,6 +29,9 @@ READINGS = 0.2
 EXACT = 0.1
 """How much of what such a claim explained itself counts, if it has but one number: an offset has hardly a form to be wrong."""
 
+COMPLETING = 0.3
+"""How much of that a claim must explain after which nothing is left, where plainly something was: the error of a form is
+hardly another law."""
 CHALLENGERS = 2
 """How many simpler rivals a winner is challenged by."""
 
@@ -51,7 +54,13 @@ class Round:
         if not self.rivals or self.nothing >= CHANCE:
             return None
         first = self.rivals[0]
-        return first if first.drop > _least_of(first.proposal, self.least) else None
+        least = _least_of(first.proposal, self.least)
+        is_enough = first.drop > least or (first.drop > COMPLETING * least and self._is_completed_by(first))
+        return first if is_enough else None
+
+    def _is_completed_by(self, rival: Rival) -> bool:
+        """Whether something plainly was left before, and nothing is left with this one."""
+        return standing(self.before)[0] > UNEXPLAINED and explains(rival.search)
 
 
 def look_again(

@@ -19,10 +19,10 @@ from crashkit.diagnose.contest import (
 )
 from crashkit.diagnose.evidence import FLOOR, STRAINED, Rival, explains, ranked_by_evidence
 from crashkit.diagnose.regress import opened, regressed
-from crashkit.diagnose.reidentify import reidentify, scattered
+from crashkit.diagnose.reidentify import scattered, understood
 from crashkit.diagnose.result import UNKNOWN
 from crashkit.diagnose.score import Score
-from crashkit.diagnose.search import Search, begin
+from crashkit.diagnose.search import Search, begin, weighed
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
@@ -82,7 +82,7 @@ def nearest_rivals(
         progress: told what is being done and how far it is (0 to 1).
     """
     residual = base.residual(base.start())
-    normalised, strained = _standing(base)
+    normalised, strained = standing(base)
     plain = [proposal for proposal in proposals if not proposal.refined]
     scored = scores(workshop, base, plain, float(residual @ residual), progress)
     at_noise = normalised < FLOOR and not strained
@@ -119,7 +119,7 @@ def further_rivals(
     return ranked_by_evidence(fitted, deviance)
 
 
-def _standing(base: Misfit) -> tuple[float, bool]:
+def standing(base: Misfit) -> tuple[float, bool]:
     """The normalised residual of a model, and whether its numbers are strained."""
     residual = base.residual(base.start())
     return float(np.sqrt(residual @ residual / base.independent_samples)), base.departure(base.start()) > STRAINED
@@ -127,7 +127,7 @@ def _standing(base: Misfit) -> tuple[float, bool]:
 
 def may_conceal(base: Misfit) -> bool:
     """Whether a fitted model may hide physics in wrong values of its own."""
-    normalised, strained = _standing(base)
+    normalised, strained = standing(base)
     return strained or normalised > CONCEALED
 
 
@@ -162,7 +162,7 @@ def again(workshop: Workshop, given: Misfit, rival: Rival, progress: Progress) -
     Its fit began where the model without it had been driven, and may have stayed in that valley.
     """
     progress(f"re-identifying with {rival.proposal.physics}", 0.0)
-    return reidentify(workshop, rival.search.fitted().with_values_of(given))
+    return weighed([understood(workshop, rival.search.fitted().with_values_of(given))])[0]
 
 
 def _limits(scores: Iterable[tuple[Proposal, Score]]) -> list[Limit]:

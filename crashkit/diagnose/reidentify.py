@@ -28,19 +28,23 @@ REFINING = ((12, 8), (4, STEPS))
 def reidentify(workshop: Workshop, misfit: Misfit) -> Search:
     """The best fit of the model as it is; what then remains, no tuning of its parameters removes.
 
-    A model has many local optima where thresholds are crossed. First the recordings are taken in little by little, from the
-    misfit's own values and from where the equations of motion lead. Where that leaves something, two more searches look
-    everywhere: the workshop's finder, and one from many starts.
+    A model has many local optima where thresholds are crossed. Where taking in the recordings little by little leaves
+    something, two more searches look everywhere: the workshop's finder, and one from many starts.
     """
-    end = regression(workshop, [misfit])
-    starts = [misfit] if end is None else [misfit, misfit.with_values(end[0])]
-    ends = spread(partial(grown, workshop.identifier), starts)
-    near = _fitted(workshop, misfit, [*ends, *([] if end is None else [end[0]])])
+    near = understood(workshop, misfit)
     if explains(near):
         return near
     looks = [partial(_found, workshop.finder), partial(_best_of_many, workshop.identifier)]
     far = _fitted(workshop, misfit, spread(lambda look: look(misfit), looks))
     return weighed([min(near, far, key=lambda search: search.state.cost)])[0]
+
+
+def understood(workshop: Workshop, misfit: Misfit) -> Search:
+    """The best fit that is come to little by little, from the misfit's own values and where the equations of motion lead."""
+    end = regression(workshop, [misfit])
+    starts = [misfit] if end is None else [misfit, misfit.with_values(end[0])]
+    ends = spread(partial(grown, workshop.identifier), starts)
+    return _fitted(workshop, misfit, [*ends, *([] if end is None else [end[0]])])
 
 
 def _fitted(workshop: Workshop, misfit: Misfit, ends: Sequence[Mapping[str, float]]) -> Search:

@@ -230,6 +230,13 @@ def test_one_run_leaves_nothing_to_predict(offered):
 
 @pytest.mark.parametrize(("place", "convinces"), [({"joint": "front"}, False), ({"sensor": "front", "instrument": "a"}, True)])
 def test_a_claim_about_one_instrument_need_not_explain_as_much_as_the_error_of_a_form(place, convinces):
-    rival = Rival(Proposal("any", "", place, None, (), {}), None, 500.0, 200.0)
+    rival = Rival(Proposal("any", "", place, None, (), {}), None, 250.0, 100.0)
     assert (Round((rival,), (1.0,), 0.0, None, least=1000.0).winner is rival) == convinces
-    assert Round((rival,), (1.0,), 0.0, None, least=3000.0).winner is None
+    assert Round((rival,), (1.0,), 0.0, None, least=5000.0).winner is None
+
+
+@pytest.mark.parametrize(("damping", "least", "convinces"), [(800.0, 2.0, True), (800.0, 10.0, False), (0.0, 2.0, False)])
+def test_a_claim_after_which_nothing_is_left_need_not_explain_as_much_either(offered, damping, least, convinces):
+    """Where plainly something was left before."""
+    look, _, _ = offered(damping)
+    assert (evolve(look, least=least * abs(look.rivals[0].drop)).winner is not None) == convinces
