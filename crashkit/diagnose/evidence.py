@@ -21,6 +21,9 @@ GENUINE = 0.95
 more closely than a known law whose form is slightly off."""
 IMITATING = 0.85
 """The same while it leaves something unexplained."""
+TIMED, IN_TIME = 0.98, "time"
+"""The same of a table of the time that several runs have in common, whose form has that name: a force of the deformation comes
+at another time in each of them, and is not imitated by it."""
 UNKNOWN_ODDS = 1e-2
 """Prior odds of an unheard-of force against a known one."""
 
@@ -57,8 +60,16 @@ def rival_of(proposal: Proposal, search: Search, reference: float) -> Rival:
     """A fit weighed against the deviance of the model without the claim."""
     drop = reference - search.deviance
     price = float(len(proposal.parameters) * np.log(search.misfit.independent_samples))
-    credit = 1.0 if proposal.physics != UNKNOWN else GENUINE if search.normalised < FLOOR else IMITATING
-    return Rival(proposal, search, drop, 0.5 * (credit * drop - price) + float(np.log(proposal.odds)))
+    return Rival(proposal, search, drop, 0.5 * (_credit(proposal, search) * drop - price) + float(np.log(proposal.odds)))
+
+
+def _credit(proposal: Proposal, search: Search) -> float:
+    """The share of its drop that a claim is credited with."""
+    if proposal.physics != UNKNOWN:
+        return 1.0
+    if proposal.form == IN_TIME and len(search.misfit.recordings) > 1:
+        return TIMED
+    return GENUINE if search.normalised < FLOOR else IMITATING
 
 
 def probabilities(ranked: Sequence[Rival], tried: int) -> tuple[np.ndarray, float]:
