@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from crashkit.diagnose import growing
 from crashkit.diagnose.growing import LEAST, LONGER, grown
 from crashkit.diagnose.search import begin
 from crashkit.errors import SimulationError
@@ -75,6 +76,18 @@ def test_a_share_that_misleads_is_taken_again_by_halves_and_then_as_it_is(off, w
     assert asked[-1] == 1.0
     assert len(ahead) < len(before)  # taken again
     assert min(ahead) == pytest.approx(LONGER * LEAST)  # after the least, which is always a step back
+
+
+def test_a_search_that_is_lost_ends_where_it_still_understood_something(off, workshop, monkeypatch):
+    """Here one that leaves twice the noise is."""
+    misfit = off(0)
+    nothing_fits = misfit.with_values(
+        {"body.rear.mass": 1e3}, free=dict.fromkeys(misfit.names, False) | {"body.rear.mass": True}
+    )
+    to_the_end = grown(workshop.identifier, nothing_fits)
+    monkeypatch.setattr(growing, "LOST", 2.0)
+    early = grown(workshop.identifier, nothing_fits)
+    assert early["body.rear.mass"] != pytest.approx(to_the_end["body.rear.mass"], rel=1e-3)
 
 
 def test_a_model_that_cannot_be_simulated_is_left_as_it_is(off, workshop, monkeypatch):

@@ -13,7 +13,7 @@ from crashkit.diagnose.left_out import left_out_drop
 from crashkit.diagnose.look import LEAST_DROP, Round, _is_given, _least_drop, settled
 from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.needed import _asked, needed, price
-from crashkit.diagnose.rounds import Discovery, _corrects, _is_confirmed, _was_asked, reconsidered
+from crashkit.diagnose.rounds import Discovery, _corrects, _is_confirmed, _suffices, _was_asked, reconsidered
 from crashkit.diagnose.search import begin
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_body, with_joint
@@ -142,6 +142,18 @@ def test_the_same_is_not_asked_twice(workshop, model, misfit, recorded):
     assert _was_asked(look, worse)
     assert not _was_asked(look, other)
     assert not _was_asked(Round((), (), 1.0, off), same)
+
+
+@pytest.mark.parametrize(("given", "rounds", "suffices"), [(9.0, 1, True), (2.0, 1, False), (9.0, 2, False)])
+def test_one_cause_is_enough_if_a_second_could_explain_too_little_to_be_told(monkeypatch, given, rounds, suffices):
+    """At 1.03 times the noise, where the model left so much."""
+
+    def leaving(normalised):
+        return SimpleNamespace(normalised=normalised, excess=normalised**2 - 1.0)
+
+    monkeypatch.setattr(questioned, "explains", lambda search: False)
+    monkeypatch.setattr(questioned, "is_sound", lambda search: True)
+    assert _suffices([None] * rounds, leaving(1.03), leaving(given)) == suffices
 
 
 def test_what_everything_in_sight_only_confirms_is_told():
