@@ -175,10 +175,12 @@ def _initial(misfit: Misfit, run: str) -> Iterator[_Initial]:
     state = initial_state(misfit.recordings[run], misfit.model)
     if state is None:
         return
+    bodies, axes = state["body"].values.tolist(), state["axis"].values.tolist()
     for name in INITIAL:
-        for body in state["body"].values.tolist():
-            for axis in state["axis"].values.tolist():
-                yield _Initial(body, axis, name, float(state[name].sel(body=body, axis=axis)))
+        values = state[name].transpose("body", "axis").values.tolist()
+        for body, of_body in zip(bodies, values, strict=True):
+            for axis, value in zip(axes, of_body, strict=True):
+                yield _Initial(body, axis, name, value)
 
 
 Curves = dict[str, np.ndarray]
