@@ -9,13 +9,14 @@ from crashkit.diagnose.consistency import by_run, check_instruments
 from crashkit.diagnose.contest import Progress
 from crashkit.diagnose.evidence import FLOOR, Rival, probabilities, ranked_by_evidence
 from crashkit.diagnose.in_time import in_time
-from crashkit.diagnose.look import Round, look_again, settled
+from crashkit.diagnose.look import Round, look_again
 from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.rebuild import rebuild
 from crashkit.diagnose.reidentify import reidentify
 from crashkit.diagnose.rounds import Discovery, discovered, reconsidered
 from crashkit.diagnose.search import STEPS, Search, begin
 from crashkit.diagnose.second_best import second_best
+from crashkit.diagnose.settle import settled
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 
@@ -61,7 +62,7 @@ def _beside(
             return None
         if look.winner is None:
             continue
-        rounds.append(in_time(look, settled, workshop, unbent, look, look.winner, progress))
+        rounds.append(in_time(look, settled, workshop, unbent, look, look.winner, found, progress))
         search = rounds[-1].rivals[0].search
     return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds))
 

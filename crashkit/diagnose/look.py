@@ -7,10 +7,9 @@ import numpy as np
 from attrs import evolve, field, frozen
 
 from crashkit.diagnose.contest import Progress, identity
-from crashkit.diagnose.evidence import UNEXPLAINED, Rival, best_forms, explains, probabilities, ranked_by_evidence
-from crashkit.diagnose.name import Limit, again, further_rivals, nearest_rivals, propose_all, standing
+from crashkit.diagnose.evidence import UNEXPLAINED, Rival, best_forms, explains, probabilities
+from crashkit.diagnose.name import Limit, further_rivals, nearest_rivals, propose_all, standing
 from crashkit.diagnose.result import UNKNOWN
-from crashkit.diagnose.search import STEPS, advance_all, begin_all
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.model import Model
@@ -32,8 +31,6 @@ EXACT = 0.1
 COMPLETING = 0.3
 """How much of that a claim must explain after which nothing is left, where plainly something was: the error of a form is
 hardly another law."""
-CHALLENGERS = 2
-"""How many simpler rivals a winner is challenged by."""
 
 
 @frozen
@@ -82,9 +79,7 @@ def look_again(
         quick: whether to stop at what is found from the current numbers.
         begun: the look that did.
     """
-    known = {rival.identity for rival in found}
-    everything = [p for p in propose_all(workshop, current) if concerns is None or concerns(p, current.model)]
-    proposals = [p for p in everything if identity(p) not in known and _is_given(given.model, p.location)]
+    proposals = [p for p in open_claims(workshop, given, current, found) if concerns is None or concerns(p, current.model)]
     equipped = workshop.equipped([p.model for p in proposals])
     least = _least_drop(found)
     if begun is None:
@@ -99,6 +94,12 @@ def look_again(
     return Round(tuple(best), tuple(chances.tolist()), nothing, current, least, tuple(limits))
 
 
+def open_claims(workshop: Workshop, given: Misfit, current: Misfit, found: Sequence[Rival]) -> list[Proposal]:
+    """Every hypothesis at every place of the given model, built on the current one, that has not been found already."""
+    known = {rival.identity for rival in found}
+    return [p for p in propose_all(workshop, current) if identity(p) not in known and _is_given(given.model, p.location)]
+
+
 def _least_drop(found: Sequence[Rival]) -> float:
     """What a further finding must explain, in chi squared."""
     if not found:
@@ -109,15 +110,15 @@ def _least_drop(found: Sequence[Rival]) -> float:
 
 def _is_exact(proposal: Proposal) -> bool:
     """Whether it is one number of an instrument."""
-    return _is_of_readings(proposal) and len(proposal.parameters) == 1
+    return is_of_readings(proposal) and len(proposal.parameters) == 1
 
 
 def _least_of(proposal: Proposal, least: float) -> float:
     """What this claim must explain where `least` is asked of one about the structure."""
-    return max(LEAST_DROP, READINGS * least) if _is_of_readings(proposal) else least
+    return max(LEAST_DROP, READINGS * least) if is_of_readings(proposal) else least
 
 
-def _is_of_readings(proposal: Proposal) -> bool:
+def is_of_readings(proposal: Proposal) -> bool:
     """Whether it says no more than what an instrument reads."""
     return not {"sensor", "instrument"}.isdisjoint(proposal.location)
 
@@ -135,41 +136,6 @@ def between(look: Round, rivals: Sequence[Rival]) -> Round:
     """The round as these rivals, the first ahead, would have it among themselves."""
     chances, nothing = probabilities(rivals, len(rivals))
     return evolve(look, rivals=tuple(rivals), probabilities=tuple(chances.tolist()), nothing=nothing)
-
-
-def settled(workshop: Workshop, given: Misfit, look: Round, winner: Rival, progress: Progress) -> Round:
-    """The round with its winner re-identified, where something is left, or numbers are strained; then challenged."""
-    return _challenged(workshop, _reidentified(workshop, given, look, winner, progress))
-
-
-def _reidentified(workshop: Workshop, given: Misfit, look: Round, winner: Rival, progress: Progress) -> Round:
-    if explains(winner.search) or is_unknown(winner):
-        return look
-    found = again(workshop, given, winner, progress)
-    gained = winner.search.deviance - found.deviance
-    if not gained > 0.0:
-        return look
-    better = evolve(winner, search=found, drop=winner.drop + gained, evidence=winner.evidence + 0.5 * gained)
-    return evolve(look, rivals=(better, *look.rivals[1:]))
-
-
-def _challenged(workshop: Workshop, look: Round) -> Round:
-    """The round with simpler rivals fitted from where its winner has driven the model's own numbers.
-
-    A load on a stiff tie is a mass that is wrong, and says so in more numbers; the mass may only have stayed in a valley.
-    """
-    winner, *others = look.rivals
-    size = len(winner.proposal.parameters)
-    simpler = [rival for rival in others if not is_unknown(rival) and len(rival.proposal.parameters) < size][:CHALLENGERS]
-    if is_unknown(winner) or not simpler:
-        return look
-    misfits = [rival.search.fitted().with_values_of(winner.search.fitted()) for rival in simpler]
-    searches = advance_all(begin_all(workshop.identifier, misfits), STEPS)
-    fitted = ranked_by_evidence(
-        zip((r.proposal for r in simpler), searches, strict=True), winner.search.deviance + winner.drop
-    )
-    ranked = best_forms(sorted([*look.rivals, *fitted], key=lambda rival: -rival.evidence))
-    return between(look, ranked) if ranked[0].identity != winner.identity and not is_unknown(ranked[0]) else look
 
 
 def is_unknown(rival: Rival) -> bool:

@@ -8,9 +8,10 @@ from crashkit.diagnose.contest import Progress
 from crashkit.diagnose.evidence import FLOOR, Rival, best_forms, ranked_by_evidence
 from crashkit.diagnose.forms import in_best_forms
 from crashkit.diagnose.imitate import imitating
-from crashkit.diagnose.look import Round, between, is_unknown, look_again, settled
+from crashkit.diagnose.look import Round, between, is_unknown, look_again
 from crashkit.diagnose.rebuild import rebuild
 from crashkit.diagnose.search import Search
+from crashkit.diagnose.settle import settled
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 
@@ -49,7 +50,7 @@ def _named(workshop: Workshop, given: Misfit, base_search: Search, look: Round, 
     first = between(look, best_forms(known))
     if first.winner is None:
         return first
-    first = settled(workshop, given, first, first.winner, progress)
+    first = settled(workshop, given, first, first.winner, [], progress)
     (best,), _ = in_best_forms(workshop, base_search, [first], first.rivals[0].search, progress)
     return best
 

@@ -10,13 +10,14 @@ from crashkit.diagnose.evidence import FLOOR, UNEXPLAINED, Rival, explains, is_s
 from crashkit.diagnose.exchange import exchanged
 from crashkit.diagnose.forms import in_best_forms
 from crashkit.diagnose.in_time import in_time
-from crashkit.diagnose.look import FORM_ERRORS, Round, between, is_unknown, look_again, settled
+from crashkit.diagnose.look import FORM_ERRORS, Round, between, is_unknown, look_again
 from crashkit.diagnose.name import CONCEALED, may_conceal
 from crashkit.diagnose.needed import price
 from crashkit.diagnose.pairs import named_before_unknown
 from crashkit.diagnose.rebuild import rebuild, without_winner
 from crashkit.diagnose.result import place_of
 from crashkit.diagnose.search import Search
+from crashkit.diagnose.settle import settled
 from crashkit.diagnose.sharpen import check_pace
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
@@ -100,7 +101,7 @@ def _nearby(
     known = [rival for rival in near.rivals if not is_unknown(rival)]
     if not known:
         return near, None
-    first = settled(workshop, given, between(near, known), known[0], progress)
+    first = settled(workshop, given, between(near, known), known[0], [], progress)
     search = first.rivals[0].search
     if search.excess < FIFTH * base_search.excess:
         (first,), search = in_best_forms(workshop, base_search, [first], search, progress)
@@ -152,7 +153,8 @@ def followed(
     """What is found from a beginning on, and the last look."""
     rounds, search = list(begun), begun[-1].rivals[0].search if begun else base_search
     while look.winner is not None and not _corrects(look.winner, rounds):
-        rounds.append(in_time(look, settled, workshop, given, look, look.winner, progress))
+        found = [one.rivals[0] for one in rounds]
+        rounds.append(in_time(look, settled, workshop, given, look, look.winner, found, progress))
         search = rounds[-1].rivals[0].search
         rounds, search = in_time((rounds, search), in_best_forms, workshop, base_search, rounds, search, progress)
         if len(rounds) == 1:

@@ -7,9 +7,13 @@ from attrs import evolve
 
 from crashkit.api import workshop as installed
 from crashkit.diagnose import Workshop
+from crashkit.diagnose.evidence import Rival
+from crashkit.diagnose.look import Round
+from crashkit.diagnose.search import begin
 from crashkit.mechanics import Simulator
 from crashkit.misfit import Misfit
-from crashkit.model import Model
+from crashkit.model import Joint, Model, Parameter
+from crashkit.model.edit import with_joint
 from crashkit.testing import toys
 
 FILM_STD, ACCELEROMETER_STD = 1e-3, 1.0
@@ -62,3 +66,23 @@ def misfit(workshop):
         return workshop.first_misfit(model, recordings)
 
     return make
+
+
+@pytest.fixture
+def offered(workshop, model, misfit, recorded):
+    """A model without a dashpot, and with the one that was proposed, both fitted to two runs of the true one."""
+
+    def offer(damping):
+        dashpot = {"damping": damping, "clearance": 0.0, "engagement": 1e-3}
+        fixed = {name: Parameter(value, fixed=True) for name, value in dashpot.items()}
+        true = with_joint(model, Joint("dashpot", ("wall", "front"), "viscous", fixed))
+        given = misfit(model, slow=recorded(true, 0.9, 1), fast=recorded(true, 1.2, 2))
+        base = begin(workshop.identifier, given).advance(40)
+        motion = [given.predictor.motion(run, given.values(base.point)) for run in given.recordings]
+        kind = workshop.hypotheses["viscous_damping"]()
+        proposal = kind.propose(base.fitted().model, motion, list(given.recordings.values()))[0]
+        final = begin(workshop.identifier, workshop.misfit(base.fitted(), proposal.model)).advance(40)
+        look = Round((Rival(proposal, final, base.deviance - final.deviance, 0.0),), (1.0,), 0.0, base.fitted())
+        return look, base, final
+
+    return offer

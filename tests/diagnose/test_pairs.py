@@ -37,7 +37,7 @@ def named(monkeypatch):
         monkeypatch.setattr(pairs, "imitating", lambda *_: imitations)
         monkeypatch.setattr(pairs, "ranked_by_evidence", lambda found, reference: [rival(*one) for one in found])
         monkeypatch.setattr(pairs, "look_again", lambda *_: next(looks))
-        monkeypatch.setattr(pairs, "settled", lambda workshop, given, look, winner, progress: look)
+        monkeypatch.setattr(pairs, "settled", lambda workshop, given, look, winner, found, progress: look)
         monkeypatch.setattr(pairs, "in_best_forms", lambda workshop, base, rounds, search, progress: (better(rounds), search))
         monkeypatch.setattr(pairs, "rebuild", lambda workshop, base, rivals, last: rival("alone", alone).search)
         first, then = pairs.named_before_unknown(None, None, None, look, None)

@@ -8,41 +8,19 @@ from attrs import evolve
 
 from crashkit.diagnose import rounds as questioned
 from crashkit.diagnose.diagnosis import _is_worthless
-from crashkit.diagnose.evidence import Rival, ranked_by_evidence
+from crashkit.diagnose.evidence import Rival
 from crashkit.diagnose.left_out import left_out_drop
-from crashkit.diagnose.look import LEAST_DROP, Round, _is_given, _least_drop, settled
-from crashkit.diagnose.name import propose_all
+from crashkit.diagnose.look import LEAST_DROP, Round, _is_given, _least_drop
 from crashkit.diagnose.needed import _asked, needed, price
 from crashkit.diagnose.rounds import Discovery, _corrects, _is_confirmed, _suffices, _was_asked, reconsidered
 from crashkit.diagnose.search import begin
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_body, with_joint
 from crashkit.protocols import Proposal
-from crashkit.testing import toys
 
 
 def silent(doing, share):
     """Nobody watches."""
-
-
-@pytest.fixture
-def offered(workshop, model, misfit, recorded):
-    """A model without a dashpot, and with the one that was proposed, both fitted to two runs of the true one."""
-
-    def offer(damping):
-        dashpot = {"damping": damping, "clearance": 0.0, "engagement": 1e-3}
-        fixed = {name: Parameter(value, fixed=True) for name, value in dashpot.items()}
-        true = with_joint(model, Joint("dashpot", ("wall", "front"), "viscous", fixed))
-        given = misfit(model, slow=recorded(true, 0.9, 1), fast=recorded(true, 1.2, 2))
-        base = begin(workshop.identifier, given).advance(40)
-        motion = [given.predictor.motion(run, given.values(base.point)) for run in given.recordings]
-        kind = workshop.hypotheses["viscous_damping"]()
-        proposal = kind.propose(base.fitted().model, motion, list(given.recordings.values()))[0]
-        final = begin(workshop.identifier, workshop.misfit(base.fitted(), proposal.model)).advance(40)
-        look = Round((Rival(proposal, final, base.deviance - final.deviance, 0.0),), (1.0,), 0.0, base.fitted())
-        return look, base, final
-
-    return offer
 
 
 def test_a_finding_that_the_fit_can_spare_is_dropped(workshop, offered):
@@ -191,43 +169,6 @@ def test_what_a_finding_has_added_is_no_place_for_more(model):
     assert _is_given(model, {"bodies": ["wall", "front"]}) and _is_given(model, {"joint": model.joints[0].name})
     assert not _is_given(model, {"bodies": ["wall", "front_load"]})
     assert not _is_given(model, {"body": "front_load"}) and not _is_given(model, {"joint": "front_friction"})
-
-
-def test_a_winner_that_leaves_something_is_identified_again(workshop, offered):
-    """It had stopped where its dashpot was ten times too strong."""
-    look, _, final = offered(800.0)
-    damping = look.rivals[0].proposal.parameters[0]
-    misled = final.misfit.with_values({**final.misfit.values(final.point), damping: 8000.0})
-    winner = evolve(look.rivals[0], search=begin(workshop.identifier, misled))
-    found = settled(workshop, look.before, look, winner, silent).rivals[0]
-    gained = winner.search.deviance - found.search.deviance
-    assert found.search.deviance == pytest.approx(final.deviance, abs=1.0)
-    assert (found.drop - winner.drop, found.evidence - winner.evidence) == pytest.approx((gained, 0.5 * gained))
-
-
-def test_a_winner_that_explains_everything_is_left_as_it_is(workshop, offered):
-    look, _, _ = offered(800.0)
-    assert settled(workshop, look.before, look, look.rivals[0], silent) is look
-
-
-def test_a_load_on_a_stiff_tie_gives_way_to_a_mass_that_is_wrong(workshop, misfit, recorded):
-    """The mass was only fitted from where the model without it had been driven, and had not got far."""
-    rear = evolve(toys.two_degrees().body("rear").mass, fixed=True)
-    two = toys.two_degrees().with_parameters({"body.rear.mass": rear})
-    true = two.with_parameters({"body.rear.mass": evolve(rear, value=1.2 * rear.value)})
-    base = begin(workshop.identifier, misfit(two, slow=recorded(true, 0.9, 1), fast=recorded(true, 1.2, 2))).advance(40)
-    everything = [p for p in propose_all(workshop, base.fitted()) if p.location == {"body": "rear"}]
-    mass = next(p for p in everything if p.physics == "added_mass")
-    load = next(p for p in everything if p.form == "tied")
-    begun = [
-        begin(workshop.identifier, workshop.misfit(base.fitted(), p.model).with_values(p.starts[0])) for p in (load, mass)
-    ]
-    rivals = ranked_by_evidence([(load, begun[0].advance(60)), (mass, begun[1])], base.deviance)
-    assert rivals[0].proposal is load
-    look = settled(workshop, base.fitted(), Round(tuple(rivals), (1.0, 0.0), 0.0, base.fitted()), rivals[0], silent)
-    assert look.winner.proposal is mass
-    found = look.winner.search
-    assert found.misfit.values(found.point)["body.rear.mass"] == pytest.approx(1.2 * rear.value, rel=0.02)
 
 
 def test_physics_that_is_there_predicts_runs_that_were_left_out(offered):
