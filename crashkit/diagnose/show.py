@@ -140,7 +140,7 @@ def _stripped(without: Model, final: Model) -> Model:
 
 
 def _bodies_at(model: Model, location: Mapping[str, object]) -> tuple[str, str] | None:
-    """The two bodies that the missing force acts between; None for the only obstacle, which has nothing to be held by."""
+    """The two bodies that the missing force acts between; None for an obstacle, whose own motion nothing tells."""
     if "joint" in location:
         return model.joint(str(location["joint"])).bodies
     if "bodies" in location:
@@ -149,8 +149,8 @@ def _bodies_at(model: Model, location: Mapping[str, object]) -> tuple[str, str] 
         return str(pair[0]), str(pair[1])
     if "body" in location:
         name = str(location["body"])
-        fixed = next((body.name for body in model.bodies if body.fixed and body.name != name), None)
-        return (fixed, name) if fixed else None
+        fixed = next((body.name for body in model.bodies if body.fixed), None)
+        return (fixed, name) if fixed and not model.body(name).fixed else None
     return None
 
 

@@ -34,3 +34,17 @@ def test_a_force_on_a_body_that_has_a_mount_is_shown(workshop, model, simulated,
     rival = Rival(friction, begin(equipped.identifier, final), drop=0.0, evidence=0.0)
     (shown,) = action_of(equipped, final, without, rival, ()).values()
     assert float(np.abs(shown["modelled_force"]).max()) == pytest.approx(2e3, rel=0.01)
+
+
+def test_an_obstacle_that_gives_way_has_no_force_to_be_shown(workshop, model, simulated, recorded, misfit):
+    """Though friction, found before, has brought another fixed body: nothing tells how the obstacle moves."""
+    run = recorded(model)
+    proposed = [
+        workshop.hypotheses[name]().propose(model, [simulated(model)], [run])
+        for name in ("ground_friction", "obstacle_motion")
+    ]
+    rubbed, moved = (proposals[0] for proposals in proposed)
+    given = misfit(model, run=run)
+    without = workshop.equipped([rubbed.model]).misfit(given, rubbed.model)
+    rival = Rival(moved, begin(workshop.identifier, given), drop=0.0, evidence=0.0)
+    assert action_of(workshop, without, without, rival, ()) == {}
