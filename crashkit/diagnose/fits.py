@@ -1,6 +1,6 @@
 """How well a model predicts: fits by channel, and the curves behind them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -9,6 +9,11 @@ from crashkit.diagnose.result import Fit
 from crashkit.misfit import Group, Misfit
 from crashkit.misfit.predictor import Prediction
 from crashkit.misfit.rating import rating
+
+WORSE = 0.05
+"""By which a prediction must be worse than before to be called so: less is the scatter of noise."""
+BEYOND = 1.15
+"""Factor beyond what is expected of the right model from which a prediction speaks against the model."""
 
 
 def predict(misfit: Misfit) -> list[Prediction]:
@@ -35,6 +40,21 @@ def fit_of(misfit: Misfit, predictions: Sequence[Prediction]) -> Fit:
         coords={"channel": names},
     )
     return Fit(float(np.sqrt(squares.sum() / max(counts.sum(), 1e-9))), table)
+
+
+def is_worse(fits: Mapping[str, Fit]) -> bool:
+    """Whether the held-out runs are predicted worse than before."""
+    return fits["after"].normalised_rmse > fits["before"].normalised_rmse + WORSE
+
+
+def is_beyond(fits: Mapping[str, Fit]) -> bool:
+    """Whether the held-out runs are predicted worse than the right model would predict them; not where that is not known."""
+    return fits["after"].normalised_rmse > BEYOND * fits["after"].expected_rmse
+
+
+def is_misleading(fits: Mapping[str, Fit]) -> bool:
+    """Whether both are so."""
+    return bool(fits) and is_worse(fits) and is_beyond(fits)
 
 
 def curves_of(

@@ -8,6 +8,7 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.diagnose.evidence import FLOOR
+from crashkit.diagnose.fits import is_beyond, is_worse
 from crashkit.diagnose.result import Diagnosis, Estimate, Finding, Fit, place_of
 from crashkit.diagnose.rounds import Discovery
 from crashkit.protocols import Identification
@@ -21,10 +22,6 @@ VERDICTS = {
 
 
 MOST_LIMITS = 5
-WORSE = 0.05
-"""By which a prediction must be worse than before to be called so: less is the scatter of noise."""
-BEYOND = 1.15
-"""Factor beyond what is expected of the right model from which a prediction speaks against the model."""
 
 
 def summarise(
@@ -71,14 +68,13 @@ def of_prediction(fits: Mapping[str, Fit]) -> list[str]:
     """Why the held-out runs are predicted as badly as they are."""
     if not fits or fits["after"].normalised_rmse < FLOOR:
         return []
-    before, after = fits["before"].normalised_rmse, fits["after"].normalised_rmse
     expected = fits["after"].expected_rmse
     sentences = []
-    if after > before + WORSE:
+    if is_worse(fits):
         sentences.append(
             "The held-out runs are predicted worse than before: do not trust this outside the runs that were fitted."
         )
-    if after > BEYOND * expected:
+    if is_beyond(fits):
         sentences.append(
             f"Of the right model about {expected:.2f} times the noise is to be expected there: a law has another form than "
             "the model says, or something is missing."

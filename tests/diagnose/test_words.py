@@ -5,6 +5,7 @@ import math
 import pytest
 import xarray as xr
 
+from crashkit.diagnose.fits import is_misleading
 from crashkit.diagnose.result import Estimate, Fit
 from crashkit.diagnose.words import number, of_prediction
 
@@ -41,6 +42,16 @@ def test_a_prediction_is_told_with_what_can_be_expected_of_it(before, after, exp
     sentences = of_prediction(fits)
     assert len(sentences) == len(told)
     assert all(part in sentence for part, sentence in zip(told, sentences, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "expected", "misleads"),
+    [(3.0, 9.0, 1.6, True), (3.0, 9.0, 30.0, False), (3.0, 2.9, 1.6, False), (3.0, 9.0, math.nan, False)],
+)
+def test_what_held_out_runs_speak_against_is_not_believed(before, after, expected, misleads):
+    """They are predicted worse than before, though the fitted runs would foretell them."""
+    assert is_misleading({"before": Fit(before, xr.Dataset()), "after": Fit(after, xr.Dataset(), expected)}) is misleads
+    assert not is_misleading({})
 
 
 def test_without_held_out_runs_nothing_is_said_of_prediction():
