@@ -28,6 +28,8 @@ MOST = 2.0
 USUAL = 0.02
 """Of the largest force: the size that heights are expected to have. What the joint's own law explains as well is left to that
 law, of which more is known outside the runs."""
+LARGE = 0.06
+"""The same of a force of the time that several runs have in common: no law of the model could explain it."""
 
 
 class Unknown(Hypothesis):
@@ -55,7 +57,7 @@ class Unknown(Hypothesis):
         of_deformation = _of_deformation(largest, reach)
         of_rate: Table = {"heights": _heights(largest), "reach": Parameter(fastest, fixed=True)}
         share: Table = {"rate_heights": _heights(1.0), "rate_reach": Parameter(fastest, fixed=True)}
-        of_time: Table = {"heights": _heights(largest), "duration": _duration(motion)}
+        of_time = _of_time(largest, motion)
         return [
             parallel(model, joint, self.physics, "deformation", "smooth_table", of_deformation, "heights"),
             parallel(model, joint, self.physics, "rate", "rate_table", of_rate, "heights"),
@@ -70,7 +72,7 @@ class Unknown(Hypothesis):
     def _on_body(self, model: Model, body: Body, motion: Sequence[xr.Dataset]) -> list[Proposal]:
         largest = _largest_at(model, (body.name,), motion)
         fastest = max(float(np.nanmax(np.abs(one["velocity"].sel(body=body.name).values))) for one in motion)
-        of_time: Table = {"heights": _heights(largest), "duration": _duration(motion)}
+        of_time = _of_time(largest, motion)
         of_speed: Table = {"heights": _heights(largest), "reach": Parameter(fastest, fixed=True)}
         return [
             grounded(model, body, self.physics, "time", "time_table", of_time, "heights"),
@@ -100,9 +102,11 @@ def _of_deformation(largest: float, reach: float) -> Table:
     }
 
 
-def _heights(largest: float) -> tuple[Parameter, ...]:
-    return (Parameter(0.0, -MOST * largest, MOST * largest, size=USUAL * largest),) * KNOTS
+def _of_time(largest: float, motion: Sequence[xr.Dataset]) -> Table:
+    """Over the time that the longest run takes."""
+    duration = Parameter(max(float(one["time"].values[-1]) for one in motion), fixed=True)
+    return {"heights": _heights(largest, LARGE if len(motion) > 1 else USUAL), "duration": duration}
 
 
-def _duration(motion: Sequence[xr.Dataset]) -> Parameter:
-    return Parameter(max(float(one["time"].values[-1]) for one in motion), fixed=True)
+def _heights(largest: float, usual: float = USUAL) -> tuple[Parameter, ...]:
+    return (Parameter(0.0, -MOST * largest, MOST * largest, size=usual * largest),) * KNOTS
