@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from attrs import evolve
 
-from crashkit.diagnose.contest import Progress, heats
+from crashkit.diagnose.contest import Progress, heats, is_same
 from crashkit.diagnose.evidence import Rival, best_forms, explains, ranked_by_evidence
 from crashkit.diagnose.look import Round, between, is_of_readings, is_unknown, open_claims
 from crashkit.diagnose.name import HEATS, again
@@ -14,7 +14,7 @@ from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
 
 CHALLENGERS = 2
-"""How many of its rivals with fewer numbers, but more than one, challenge a winner."""
+"""How many of its rivals with fewer numbers challenge a winner."""
 
 
 def settled(
@@ -33,23 +33,24 @@ def settled(
 def _reidentified(workshop: Workshop, given: Misfit, look: Round, winner: Rival, progress: Progress) -> Round:
     if explains(winner.search) or is_unknown(winner):
         return look
-    again_found = again(workshop, given, winner, progress)
-    gained = winner.search.deviance - again_found.deviance
+    found = again(workshop, given, winner, progress)
+    gained = winner.search.deviance - found.deviance
     if not gained > 0.0:
         return look
-    better = evolve(winner, search=again_found, drop=winner.drop + gained, evidence=winner.evidence + 0.5 * gained)
+    better = evolve(winner, search=found, drop=winner.drop + gained, evidence=winner.evidence + 0.5 * gained)
     return evolve(look, rivals=(better, *look.rivals[1:]))
 
 
 def _simpler(workshop: Workshop, given: Misfit, look: Round, found: Sequence[Rival]) -> list[Proposal]:
-    """Rivals that have fewer numbers than the winner, and all that the structure may have wrong in one."""
+    """The best rivals that have fewer numbers than the winner, and all that the structure may have wrong in one."""
     winner, *others = look.rivals
     size = len(winner.proposal.parameters)
     if size == 1:
         return []
-    rivals = [r.proposal for r in others if not is_unknown(r) and 1 < len(r.proposal.parameters) < size]
+    rivals = [r.proposal for r in others if not is_unknown(r) and len(r.proposal.parameters) < size][:CHALLENGERS]
     claims = open_claims(workshop, given, look.before, [winner, *found])
-    return [*rivals[:CHALLENGERS], *(p for p in claims if len(p.parameters) == 1 and not is_of_readings(p))]
+    plain = [p for p in claims if len(p.parameters) == 1 and not is_of_readings(p)]
+    return [*rivals, *(p for p in plain if not any(is_same(p, rival) for rival in rivals))]
 
 
 def _challenged(workshop: Workshop, look: Round, claims: Sequence[Proposal], progress: Progress) -> Round:

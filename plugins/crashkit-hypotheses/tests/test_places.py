@@ -111,6 +111,15 @@ def test_an_unknown_force_is_one_on_a_body_where_it_differs_from_one_in_its_moun
     assert bodies == [{"rear"}, {"front", "rear"}]
 
 
+def test_a_force_of_the_time_may_be_larger_where_several_runs_have_it_in_common(propose, runs):
+    """No law of the model could explain it; in one run any of them could."""
+    sizes = []
+    for motion in (runs[:1], [*runs[:1]] * 2):
+        (timed,) = [p for p in propose("unknown", motion=motion) if p.form == "time" and p.location == {"joint": "first"}]
+        sizes.append(timed.model.parameters()[timed.parameters[0]].size)
+    assert sizes[1] == pytest.approx(3.0 * sizes[0])
+
+
 def test_a_strap_needs_a_joint_that_was_stretched_and_a_pulling_line_one_that_does_not_pull(propose, runs, model):
     pressed = [run.assign(deformation=np.maximum(run["deformation"], 0.0)) for run in runs]
     assert places(propose("tension")) == BOTH_JOINTS
