@@ -68,7 +68,7 @@ def workshop(
         registry.smoother(smoother)(),
         registry.identifier(method)(),
         registry.identifier(finder)(),
-        registry.identifier(starter)(),
+        registry.regression(starter)(),
     )
 
 

@@ -37,6 +37,13 @@ def is_same(first: Proposal, second: Proposal) -> bool:
     return identity(first) == identity(second) and first.form == second.form
 
 
+def propose_all(workshop: Workshop, base: Misfit) -> list[Proposal]:
+    """Every hypothesis at every place of the model, in every form that can be fitted."""
+    values = {name: parameter.value for name, parameter in base.model.free_parameters().items()}
+    motions = [base.predictor.motion(run, values) for run in base.recordings]
+    return workshop.proposals(base.model, motions, list(base.recordings.values()))
+
+
 def scores(
     workshop: Workshop, origin: Misfit, proposals: Sequence[Proposal], reference: float, progress: Progress
 ) -> list[tuple[Proposal, Score]]:

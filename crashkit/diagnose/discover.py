@@ -6,11 +6,10 @@ from attrs import evolve
 
 from crashkit.diagnose.aside import CLOCK, Suspect, late_clocks, on_time, suspects, without
 from crashkit.diagnose.consistency import by_run, check_instruments
-from crashkit.diagnose.contest import Progress
+from crashkit.diagnose.contest import Progress, propose_all
 from crashkit.diagnose.evidence import FLOOR, Rival, probabilities, ranked_by_evidence
 from crashkit.diagnose.in_time import in_time
 from crashkit.diagnose.look import Round, look_again
-from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.rebuild import rebuild
 from crashkit.diagnose.reidentify import reidentify
 from crashkit.diagnose.rounds import Discovery, discovered, reconsidered

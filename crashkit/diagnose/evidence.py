@@ -59,8 +59,13 @@ def ranked_by_evidence(fitted: Iterable[Entrant], reference: float) -> list[Riva
 def rival_of(proposal: Proposal, search: Search, reference: float) -> Rival:
     """A fit weighed against the deviance of the model without the claim."""
     drop = reference - search.deviance
-    price = float(len(proposal.parameters) * np.log(search.misfit.independent_samples))
+    price = price_of(proposal, search.misfit.independent_samples)
     return Rival(proposal, search, drop, 0.5 * (_credit(proposal, search) * drop - price) + float(np.log(proposal.odds)))
+
+
+def price_of(proposal: Proposal, samples: float) -> float:
+    """Of a claim's numbers, in chi squared: k ln n."""
+    return float(len(proposal.parameters) * np.log(samples))
 
 
 def _credit(proposal: Proposal, search: Search) -> float:

@@ -9,7 +9,7 @@ from crashkit.diagnose.search import Search
 from crashkit.diagnose.workshop import Workshop
 
 MOST = 2
-"""How many named causes of the last look are tried in the place of each finding."""
+"""How many named causes of the last look, of those more evident than nothing, are tried in the place of each finding."""
 GAIN = 10.0
 """Log evidence that the exchange must gain."""
 
@@ -34,7 +34,7 @@ def exchanged(
 def _exchanges(
     workshop: Workshop, base_search: Search, rounds: Sequence[Round], search: Search, last: Round
 ) -> Iterator[tuple[list[Round], Search]]:
-    named = [rival for rival in last.rivals if not is_unknown(rival)][:MOST]
+    named = [rival for rival in last.rivals if not is_unknown(rival) and rival.evidence > 0.0][:MOST]
     for rival in named:
         for place, look in enumerate(rounds):
             rest = [*rounds[:place], *rounds[place + 1 :]]

@@ -8,10 +8,9 @@ from attrs import evolve
 
 from crashkit.campaign import spread
 from crashkit.diagnose.alike import most_alike
-from crashkit.diagnose.contest import Entrant, Progress, Start, first_of_each, identity
+from crashkit.diagnose.contest import Entrant, Progress, Start, first_of_each, identity, propose_all
 from crashkit.diagnose.evidence import Rival, explains, ranked_by_evidence
 from crashkit.diagnose.look import Round, is_unknown
-from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.rebuild import rebuild
 from crashkit.diagnose.search import Search, advance_all, begin, begin_all, weighed
 from crashkit.diagnose.workshop import Workshop

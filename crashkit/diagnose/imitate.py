@@ -4,10 +4,9 @@ from collections.abc import Sequence
 from functools import partial
 
 from crashkit.campaign import spread
-from crashkit.diagnose.contest import Entrant, Progress, first_of_each, heats, identity
+from crashkit.diagnose.contest import Entrant, Progress, first_of_each, heats, identity, propose_all
 from crashkit.diagnose.evidence import Rival
 from crashkit.diagnose.forms import along, with_form
-from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.search import Search, begin_all
 from crashkit.diagnose.workshop import Workshop

@@ -6,9 +6,10 @@ from functools import partial
 import numpy as np
 from attrs import evolve, field, frozen
 
-from crashkit.diagnose.contest import Progress, identity
+from crashkit.diagnose.contest import Progress, identity, propose_all
+from crashkit.diagnose.couples import Couple
 from crashkit.diagnose.evidence import UNEXPLAINED, Rival, best_forms, explains, probabilities
-from crashkit.diagnose.name import Limit, further_rivals, nearest_rivals, propose_all, standing
+from crashkit.diagnose.name import Limit, further_rivals, nearest_rivals, standing
 from crashkit.diagnose.result import UNKNOWN
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
@@ -36,7 +37,8 @@ hardly another law."""
 @frozen
 class Round:
     """One look at what is left: the rivals in order, their probabilities, that of nothing, the misfit before, how much of
-    chi squared a finding must at least explain, and the smallest effects that would have been seen."""
+    chi squared a finding must at least explain, the smallest effects that would have been seen, and couples of claims that
+    leave much less than any rival."""
 
     rivals: tuple[Rival, ...]
     probabilities: tuple[float, ...]
@@ -44,6 +46,7 @@ class Round:
     before: Misfit
     least: float = LEAST_DROP
     limits: tuple[Limit, ...] = field(default=())
+    couples: tuple[Couple, ...] = field(default=())
 
     @property
     def winner(self) -> Rival | None:
@@ -81,17 +84,18 @@ def look_again(
     """
     proposals = [p for p in open_claims(workshop, given, current, found) if concerns is None or concerns(p, current.model)]
     equipped = workshop.equipped([p.model for p in proposals])
-    least = _least_drop(found)
+    least, couples = least_drop(found), tuple[Couple, ...]()
     if begun is None:
         ranked, limits = nearest_rivals(equipped, current, proposals, partial(_least_of, least=least), progress)
     else:
         ranked, limits = list(begun.rivals), list(begun.limits)
     if not quick:
         afresh = not found or concerns is not None
-        ranked = further_rivals(equipped, current, current.with_values_of(given), proposals, ranked, afresh, progress)
+        further = further_rivals(equipped, current, current.with_values_of(given), proposals, ranked, afresh, progress)
+        ranked, couples = list(further.rivals), tuple(further.couples)
     best = best_forms(ranked)
     chances, nothing = probabilities(best, len({identity(p) for p in proposals}))
-    return Round(tuple(best), tuple(chances.tolist()), nothing, current, least, tuple(limits))
+    return Round(tuple(best), tuple(chances.tolist()), nothing, current, least, tuple(limits), couples)
 
 
 def open_claims(workshop: Workshop, given: Misfit, current: Misfit, found: Sequence[Rival]) -> list[Proposal]:
@@ -100,7 +104,7 @@ def open_claims(workshop: Workshop, given: Misfit, current: Misfit, found: Seque
     return [p for p in propose_all(workshop, current) if identity(p) not in known and _is_given(given.model, p.location)]
 
 
-def _least_drop(found: Sequence[Rival]) -> float:
+def least_drop(found: Sequence[Rival]) -> float:
     """What a further finding must explain, in chi squared."""
     if not found:
         return LEAST_DROP

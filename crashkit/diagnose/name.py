@@ -17,6 +17,7 @@ from crashkit.diagnose.contest import (
     scores,
     scouted,
 )
+from crashkit.diagnose.couples import Couple, coupled
 from crashkit.diagnose.evidence import FLOOR, STRAINED, Rival, explains, ranked_by_evidence
 from crashkit.diagnose.regress import opened, regressed
 from crashkit.diagnose.reidentify import scattered, understood
@@ -46,6 +47,8 @@ LEAST_PROMISE = 1e-3
 noise: its own parameters may hide an effect so well that its score is small."""
 NOISE_PROMISE = 0.15
 """Share of the drop that a finding needs which is asked of a model at the noise, at its best fit."""
+COUPLED = 0.2
+"""Of what the best single claim leaves above the noise: two that leave less are told before any other is asked."""
 SEEN = 4.5
 """Standard deviations from which an effect is found: its chi squared is then that of a finding."""
 
@@ -63,11 +66,17 @@ class Limit:
     smallest: float
 
 
-def propose_all(workshop: Workshop, base: Misfit) -> list[Proposal]:
-    """Every hypothesis at every place of the model, in every form that can be fitted."""
-    values = {name: parameter.value for name, parameter in base.model.free_parameters().items()}
-    motions = [base.predictor.motion(run, values) for run in base.recordings]
-    return workshop.proposals(base.model, motions, list(base.recordings.values()))
+@frozen
+class Further:
+    """What is found from elsewhere.
+
+    Attributes:
+        rivals: single claims, the most evident first.
+        couples: two claims at once that leave much less than any of them, the most evident first.
+    """
+
+    rivals: Sequence[Rival]
+    couples: Sequence[Couple]
 
 
 def nearest_rivals(
@@ -99,8 +108,8 @@ def further_rivals(
     nearest: Sequence[Rival],
     afresh: bool,
     progress: Progress,
-) -> list[Rival]:
-    """The nearest rivals, and what is fitted from elsewhere where they leave something; the most evident first.
+) -> Further:
+    """The nearest rivals, and what is fitted from elsewhere where they leave something.
 
     Arguments:
         base, proposals, progress: as for `nearest_rivals`.
@@ -110,13 +119,15 @@ def further_rivals(
     """
     deviance, astray = base.deviance(base.residual(base.start())), _astray(workshop, base)
     fitted = [(rival.proposal, rival.search) for rival in nearest]
+    couples: list[Couple] = []
     if afresh and may_conceal(base) and not _explained(fitted):
         plain = [proposal for proposal in proposals if not proposal.refined]
-        fitted += _from_given(workshop, given, plain, astray, progress)
+        found, couples = _from_given(workshop, given, plain, astray, progress)
+        fitted += found
     ranked = ranked_by_evidence(fitted, deviance)
-    if ranked:
+    if ranked and not couples:
         fitted += _polished(workshop, given, ranked, proposals, astray, progress)
-    return ranked_by_evidence(fitted, deviance)
+    return Further(ranked_by_evidence(fitted, deviance), couples)
 
 
 def standing(base: Misfit) -> tuple[float, bool]:
@@ -138,18 +149,22 @@ def _astray(workshop: Workshop, base: Misfit) -> float:
 
 def _from_given(
     workshop: Workshop, given: Misfit, proposals: Sequence[Proposal], astray: float, progress: Progress
-) -> list[Entrant]:
-    """Claims from the values that the user gave: along the measured motion, and where none explains everything, those that
-    it says nothing about simulated.
+) -> tuple[list[Entrant], list[Couple]]:
+    """Claims from the values that the user gave: along the measured motion, and where none explains everything, couples of
+    them, and those that it says nothing about simulated.
     """
     ends = opened(workshop, given, proposals, progress)
     found = regressed(workshop, given, proposals, ends, progress)
     known = [search for proposal, search in found if proposal.physics != UNKNOWN]
     if any(search.normalised <= FLOOR and search.misfit.departure(search.point) < STRAINED for search in known):
-        return found
+        return found, []
+    couples = coupled(workshop, given, proposals, ends, progress)
+    if couples and couples[0].search.excess < COUPLED * min((one.excess for _, one in found), default=np.inf):
+        return found, couples
     rest = [proposal for proposal, end in zip(proposals, ends, strict=True) if end is None]
     rough = promising(scores(workshop, given.coarse, rest, np.inf, progress), STARTS, lambda _: LEAST_PROMISE)
-    return [*found, *heats(scouted(workshop, given, rough, GROWING, HEATS[0][0], astray, progress), HEATS, progress)]
+    begun = scouted(workshop, given, rough, GROWING, HEATS[0][0], astray, progress)
+    return [*found, *heats(begun, HEATS, progress)], []
 
 
 def _explained(fitted: Iterable[Entrant]) -> bool:

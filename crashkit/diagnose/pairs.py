@@ -1,14 +1,14 @@
-"""Named causes instead of an estimated table: one in its best form, or two where the table takes up much of both at once."""
+"""Two causes where no single one explains enough: a couple at once, or named ones instead of an estimated table."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from attrs import evolve
 
-from crashkit.diagnose.contest import Progress
-from crashkit.diagnose.evidence import FLOOR, Rival, best_forms, ranked_by_evidence
+from crashkit.diagnose.contest import Progress, identity
+from crashkit.diagnose.evidence import FLOOR, Rival, best_forms, ranked_by_evidence, rival_of
 from crashkit.diagnose.forms import in_best_forms
 from crashkit.diagnose.imitate import imitating
-from crashkit.diagnose.look import Round, between, is_unknown, look_again
+from crashkit.diagnose.look import Round, between, is_unknown, least_drop, look_again
 from crashkit.diagnose.rebuild import rebuild
 from crashkit.diagnose.search import Search
 from crashkit.diagnose.settle import settled
@@ -36,6 +36,28 @@ def named_before_unknown(
         if _beats(second.winner, table):
             return [first], second
     return [], look
+
+
+def both(workshop: Workshop, base_search: Search, look: Round) -> tuple[Round, Round] | None:
+    """The leading couple of a look as two findings, each in the light of the other; None where one cannot be placed alone."""
+    couple = look.couples[0]
+    claims = [Rival(proposal, couple.search, 0.0, 0.0) for proposal in (couple.first, couple.second)]
+    alone = [rebuild(workshop, base_search, [claim], couple.search) for claim in claims]
+    if alone[0] is None or alone[1] is None:
+        return None
+    first = _beside(look, alone[1], identity(couple.second), [])
+    return first, _beside(look, alone[0], identity(couple.first), [first.rivals[0]])
+
+
+def _beside(look: Round, without: Search, kept: tuple[str, str], found: Sequence[Rival]) -> Round:
+    """The round of all claims that were coupled with one, that one alone being found before."""
+    rivals = []
+    for couple in look.couples:
+        others = [proposal for proposal in (couple.first, couple.second) if identity(proposal) != kept]
+        if len(others) == 1:
+            rivals.append(rival_of(others[0], couple.search, without.deviance))
+    ranked = best_forms(sorted(rivals, key=lambda rival: -rival.evidence))
+    return between(evolve(look, before=without.fitted(), least=least_drop(found), couples=()), ranked)
 
 
 def _beats(rival: Rival | None, table: Rival) -> bool:

@@ -2,9 +2,8 @@
 
 from collections.abc import Sequence
 
-from crashkit.diagnose.contest import is_same
+from crashkit.diagnose.contest import is_same, propose_all
 from crashkit.diagnose.evidence import Rival
-from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.search import STEPS, Search, begin
 from crashkit.diagnose.workshop import Workshop
 

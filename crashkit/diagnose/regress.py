@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from crashkit.campaign import spread
 from crashkit.diagnose.contest import Entrant, Progress, first_of_each, heats
 from crashkit.diagnose.growing import grown
@@ -87,6 +89,15 @@ def regression(workshop: Workshop, misfits: Sequence[Misfit], rounds: Sequence[t
         return None
     misfit, state = min(searches, key=lambda search: search[1].cost)
     return misfit.values(state.point), state.cost
+
+
+def residual_and_jacobian(workshop: Workshop, misfit: Misfit) -> tuple[np.ndarray, np.ndarray] | None:
+    """What the equations leave at a model's own values, and its derivatives; None where there are no such equations."""
+    try:
+        state = workshop.starter.start(misfit)
+        return workshop.starter.equations(misfit, state).residual_and_jacobian(misfit.start())
+    except CrashkitError:
+        return None
 
 
 def _advanced(starter: Identifier[Any], misfit: Misfit, state: Any, steps: int) -> Any:

@@ -13,7 +13,7 @@ from crashkit.diagnose.in_time import in_time
 from crashkit.diagnose.look import FORM_ERRORS, Round, between, is_unknown, look_again
 from crashkit.diagnose.name import CONCEALED, may_conceal
 from crashkit.diagnose.needed import price
-from crashkit.diagnose.pairs import named_before_unknown
+from crashkit.diagnose.pairs import both, named_before_unknown
 from crashkit.diagnose.rebuild import rebuild, without_winner
 from crashkit.diagnose.result import place_of
 from crashkit.diagnose.search import Search
@@ -125,9 +125,13 @@ def _widely(
         nearby: what was found there. Where the first look with everything in sight only confirms it, no more is asked.
     """
     base_search, first = _first_look(workshop, given, base_search, near, progress)
-    if nearby is not None and _is_confirmed(nearby, first):
+    if nearby is not None and not first.couples and _is_confirmed(nearby, first):
         return nearby
-    rounds, look = in_time(([], first), named_before_unknown, workshop, given, base_search, first, progress)
+    couple = both(workshop, base_search, first) if first.couples else None
+    if couple is not None:
+        rounds, look = [couple[0]], couple[1]
+    else:
+        rounds, look = in_time(([], first), named_before_unknown, workshop, given, base_search, first, progress)
     found, last = followed(workshop, given, base_search, rounds, look, progress)
     if not found.rounds or _is_estimated(found.rounds) or found.search.normalised < UNEXPLAINED:
         return found

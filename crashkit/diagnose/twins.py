@@ -4,11 +4,10 @@ from collections.abc import Sequence
 
 from attrs import evolve
 
-from crashkit.diagnose.contest import Entrant, heats, identity
+from crashkit.diagnose.contest import Entrant, heats, identity, propose_all
 from crashkit.diagnose.evidence import Rival, best_forms, ranked_by_evidence
 from crashkit.diagnose.forms import with_form
 from crashkit.diagnose.look import Round, between, is_unknown
-from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.rebuild import rebuild
 from crashkit.diagnose.result import own_name
 from crashkit.diagnose.rounds import Discovery
@@ -35,23 +34,22 @@ def beside_twins(workshop: Workshop, discovery: Discovery) -> Discovery:
 
 
 def _beside_twins(workshop: Workshop, discovery: Discovery, look: Round) -> Round:
-    winner = look.rivals[0]
+    """The round with twins, which are weighed as the finding is now: what stands beside it may have got a better form."""
+    winner = evolve(look.rivals[0], search=discovery.search)
     others = [one.rivals[0] for one in discovery.rounds if one is not look]
-    twins = [] if is_unknown(winner) else _twins(workshop, look, others)
+    twins = [] if is_unknown(winner) else _twins(workshop, discovery.base, winner, others)
     if not twins:
         return look
     fitted = ranked_by_evidence(heats(twins, HEATS, lambda doing, share: None), winner.search.deviance + winner.drop)
     leading = max([winner, *fitted], key=lambda rival: rival.evidence)
-    rivals = sorted([*look.rivals, *fitted], key=lambda rival: -rival.evidence)
+    rivals = sorted([winner, *look.rivals[1:], *fitted], key=lambda rival: -rival.evidence)
     return between(look, best_forms([leading, *rivals]))
 
 
-def _twins(workshop: Workshop, look: Round, others: Sequence[Rival]) -> list[Entrant]:
-    """Searches of all claims of the same numbers, from where they are, beside what the finding was fitted beside."""
-    winner = look.rivals[0]
+def _twins(workshop: Workshop, base: Misfit, winner: Rival, others: Sequence[Rival]) -> list[Entrant]:
+    """Searches of all claims of the same numbers, from where they are, beside the other findings."""
     numbers = _numbers(winner)
-    here = [other for other in others if _is_in(other, winner.search.misfit) and not _is_in(other, look.before)]
-    without = rebuild(workshop, begin(workshop.identifier, look.before), here, winner.search)
+    without = rebuild(workshop, begin(workshop.identifier, base), others, winner.search)
     if without is None:
         return []
     origin, known = without.misfit.with_values_of(winner.search.fitted()), {rival.identity for rival in (winner, *others)}
@@ -67,8 +65,3 @@ def _numbers(rival: Rival) -> dict[str, float]:
     """What a claim adds, by the names in its law."""
     values = rival.search.misfit.values(rival.search.point)
     return {own_name(path): values[path] for path in rival.proposal.parameters if path in values}
-
-
-def _is_in(rival: Rival, misfit: Misfit) -> bool:
-    """Whether what a claim adds is free in a model."""
-    return set(rival.proposal.parameters) <= set(misfit.names)

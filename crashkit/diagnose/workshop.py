@@ -11,7 +11,7 @@ from crashkit.mechanics import Engine, can_be_derived, compile_engine, functions
 from crashkit.misfit import Misfit
 from crashkit.misfit.predictor import STEP
 from crashkit.model import Model
-from crashkit.protocols import Hypothesis, Identifier, Observer, Proposal, Smoother, SpringLaw
+from crashkit.protocols import Hypothesis, Identifier, Observer, Proposal, Regression, Smoother, SpringLaw
 
 
 @frozen
@@ -25,7 +25,7 @@ class Workshop:
     smoother: Smoother
     identifier: Identifier[Any]
     finder: Identifier[Any]
-    starter: Identifier[Any]
+    starter: Regression[Any]
     engine: Engine | None = field(default=None)
     step: float = STEP
     recorded: Mapping[str, xr.DataTree] = field(factory=dict)

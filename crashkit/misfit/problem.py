@@ -166,8 +166,12 @@ class Misfit:
             residual[unknown], jacobian[unknown] = 0.0, 0.0
         if not self._known.size:
             return residual, jacobian
-        own = np.eye(len(scaled))[self._known] / self._stds[:, None]
-        return np.concatenate([residual, self._departure(scaled)]), np.concatenate([jacobian, own])
+        departure, own = self.belief(scaled)
+        return np.concatenate([residual, departure]), np.concatenate([jacobian, own])
+
+    def belief(self, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The residuals of what is known of parameters beforehand, and their derivatives to the search variables."""
+        return self._departure(scaled), np.eye(len(scaled))[self._known] / self._stds[:, None]
 
     def departure(self, scaled: np.ndarray) -> float:
         """How far parameters are from what is known of them beforehand, as chi squared."""

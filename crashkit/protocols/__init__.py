@@ -1,7 +1,7 @@
 """The protocols: what a plugin implements, one page each."""
 
 from crashkit.protocols.hypothesis import Hypothesis, Proposal
-from crashkit.protocols.identifier import Identification, Identifier, Problem, Status
+from crashkit.protocols.identifier import Identification, Identifier, Problem, Regression, Status
 from crashkit.protocols.importer import Importer
 from crashkit.protocols.observer import Observer, PlainObserver, Reading, SensorErrors
 from crashkit.protocols.parameter import ParameterSpec
@@ -19,6 +19,7 @@ __all__ = [
     "Problem",
     "Proposal",
     "Reading",
+    "Regression",
     "SensorErrors",
     "Smoother",
     "SpringLaw",

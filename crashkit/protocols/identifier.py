@@ -85,3 +85,13 @@ class Identifier(ABC, Generic[State]):
     @abstractmethod
     def finish(self, problem: Problem, state: State) -> Identification:
         """The result of a state, whether it converged or not."""
+
+
+class Regression(Identifier[State]):
+    """A capability: the method fits equations that hold at each instant by itself, so that what several models leave of them
+    can be put together.
+    """
+
+    @abstractmethod
+    def equations(self, problem: Problem, state: State) -> Problem:
+        """What is left of the equations, as a problem over the same search variables."""

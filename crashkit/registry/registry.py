@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 from attrs import frozen
 
 from crashkit.errors import CrashkitError
-from crashkit.protocols import Hypothesis, Identifier, Importer, Observer, Smoother, SpringLaw
+from crashkit.protocols import Hypothesis, Identifier, Importer, Observer, Regression, Smoother, SpringLaw
 from crashkit.registry.law_book import LawBook
 
 Base = TypeVar("Base")
@@ -90,6 +90,11 @@ class Registry:
     def identifier(self, name: str) -> type[Identifier[Any]]:
         """The method of that name; raises CrashkitError where it is not installed."""
         return self._find("identifier", self.identifiers, name)
+
+    def regression(self, name: str) -> type[Regression[Any]]:
+        """The method of that name that fits equations; raises CrashkitError where it is not installed."""
+        methods = {one: kind for one, kind in self.identifiers.items() if issubclass(kind, Regression)}
+        return self._find("regression", methods, name)
 
     def hypothesis(self, physics: str) -> type[Hypothesis]:
         """The hypothesis of that physics; raises CrashkitError where it is not installed."""

@@ -5,8 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from crashkit.diagnose.contest import GROWING, heats, scores, scouted
-from crashkit.diagnose.name import propose_all
+from crashkit.diagnose.contest import GROWING, heats, propose_all, scores, scouted
 from crashkit.diagnose.result import UNKNOWN
 from crashkit.protocols import Proposal
 

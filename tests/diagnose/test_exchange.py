@@ -2,10 +2,10 @@
 
 import pytest
 
+from crashkit.diagnose.contest import propose_all
 from crashkit.diagnose.evidence import rival_of
 from crashkit.diagnose.exchange import exchanged
 from crashkit.diagnose.look import Round
-from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.search import begin
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_joint

@@ -83,7 +83,7 @@ def test_a_fine_form_waits_until_a_plain_one_leaves_something(workshop, base, pr
         fitted = without.fitted()
         proposals = proposed(without, "rate_dependence")
         nearest, _ = nearest_rivals(workshop, fitted, proposals, lambda _: LEAST_DROP, silent)
-        ranked = further_rivals(workshop, fitted, fitted, proposals, nearest, True, silent)
+        ranked = further_rivals(workshop, fitted, fitted, proposals, nearest, True, silent).rivals
         plain = [rival for rival in ranked if not rival.proposal.refined]
         assert (min(rival.search.normalised for rival in plain) > 1.05) is is_tried
         assert any(rival.proposal.form == "both ways" for rival in ranked) is is_tried

@@ -2,11 +2,10 @@
 
 import pytest
 
-from crashkit.diagnose.contest import identity
+from crashkit.diagnose.contest import identity, propose_all
 from crashkit.diagnose.evidence import rival_of
 from crashkit.diagnose.imitate import imitating
 from crashkit.diagnose.look import is_unknown
-from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.search import begin
 from crashkit.model import Parameter
 from crashkit.model.edit import with_factor

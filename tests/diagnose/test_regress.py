@@ -5,7 +5,8 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.diagnose import name as naming
-from crashkit.diagnose.name import further_rivals, propose_all
+from crashkit.diagnose.contest import propose_all
+from crashkit.diagnose.name import further_rivals
 from crashkit.diagnose.regress import opened, regressed
 from crashkit.errors import CrashkitError
 from crashkit.model import Body, Joint, Parameter

@@ -10,7 +10,7 @@ from crashkit.diagnose import rounds as questioned
 from crashkit.diagnose.diagnosis import _is_worthless
 from crashkit.diagnose.evidence import Rival
 from crashkit.diagnose.left_out import left_out_drop
-from crashkit.diagnose.look import LEAST_DROP, Round, _is_given, _least_drop
+from crashkit.diagnose.look import LEAST_DROP, Round, _is_given, least_drop
 from crashkit.diagnose.needed import _asked, needed, price
 from crashkit.diagnose.rounds import Discovery, _corrects, _is_confirmed, _suffices, _was_asked, reconsidered
 from crashkit.diagnose.search import begin
@@ -158,11 +158,11 @@ def test_a_third_finding_must_explain_more_than_a_second():
     def rival(drop, kind="joint", numbers=("one",)):
         return Rival(Proposal("fracture", "", {kind: "front"}, None, numbers, {}), None, drop, 0.5 * drop)
 
-    assert _least_drop([]) == _least_drop([rival(100.0)]) == LEAST_DROP
-    assert _least_drop([rival(1e5)]) == pytest.approx(1000.0)
-    assert _least_drop([rival(1e5), rival(1e4)]) == pytest.approx(3300.0)
-    assert _least_drop([rival(1e5, "instrument")]) == pytest.approx(100.0)
-    assert _least_drop([rival(1e5, "sensor", ("one", "two"))]) == pytest.approx(1000.0)
+    assert least_drop([]) == least_drop([rival(100.0)]) == LEAST_DROP
+    assert least_drop([rival(1e5)]) == pytest.approx(1000.0)
+    assert least_drop([rival(1e5), rival(1e4)]) == pytest.approx(3300.0)
+    assert least_drop([rival(1e5, "instrument")]) == pytest.approx(100.0)
+    assert least_drop([rival(1e5, "sensor", ("one", "two"))]) == pytest.approx(1000.0)
 
 
 def test_what_a_finding_has_added_is_no_place_for_more(model):

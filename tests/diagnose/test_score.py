@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from attrs import evolve, frozen
 
+from crashkit.diagnose.contest import propose_all
 from crashkit.diagnose.evidence import Rival, best_forms, probabilities
-from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.score import score
 from crashkit.diagnose.search import begin
 from crashkit.diagnose.square import Extended, tangent

@@ -3,8 +3,8 @@
 import pytest
 from attrs import evolve
 
+from crashkit.diagnose.contest import propose_all
 from crashkit.diagnose.evidence import rival_of
-from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.search import begin
 from crashkit.diagnose.second_best import second_best
 from crashkit.model import Joint, Parameter

@@ -3,9 +3,9 @@
 import pytest
 from attrs import evolve
 
+from crashkit.diagnose.contest import propose_all
 from crashkit.diagnose.evidence import ranked_by_evidence
 from crashkit.diagnose.look import Round
-from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.search import begin
 from crashkit.diagnose.settle import settled
 from crashkit.testing import toys

@@ -3,9 +3,9 @@
 import pytest
 from attrs import evolve
 
+from crashkit.diagnose.contest import propose_all
 from crashkit.diagnose.evidence import rival_of
 from crashkit.diagnose.look import Round
-from crashkit.diagnose.name import propose_all
 from crashkit.diagnose.rounds import Discovery
 from crashkit.diagnose.search import begin
 from crashkit.diagnose.twins import beside_twins

@@ -48,9 +48,9 @@ class Meeting:
     way: float
 
 
-def meeting(recording: xr.DataTree, carrier: Body, mass: float, obstacle: str) -> Meeting | None:
-    """The load's meeting with the obstacle; None where the channels are missing or no such load is seen."""
-    known = _channels(recording, carrier.name, obstacle)
+def meeting(recording: xr.DataTree, carrier: Body, mass: float, obstacles: Sequence[str]) -> Meeting | None:
+    """The load's meeting with what stops the carrier; None where the channels are missing or no such load is seen."""
+    known = _channels(recording, carrier.name, obstacles)
     if known is None:
         return None
     time, acceleration, force, velocity = known
@@ -69,12 +69,15 @@ def meeting(recording: xr.DataTree, carrier: Body, mass: float, obstacle: str) -
 
 
 def meets_obstacle(model: Model, carrier: Body, mass: float, recordings: Sequence[xr.DataTree]) -> Iterator[Proposal]:
-    """A load on the carrier that meets a fixed body which the carrier is joined to; its mass is taken out of the carrier."""
-    for obstacle in _obstacles(model, carrier.name):
-        seen = [meeting(recording, carrier, mass, obstacle) for recording in recordings]
-        found = next((one for one in seen if one is not None), None)
-        if found is not None:
-            yield from (_proposal(model, carrier, mass, obstacle, found, form) for form in FORMS)
+    """A load on the carrier that meets a fixed body which the carrier is joined to; its mass is taken out of the carrier.
+
+    Of an obstacle in parts, as the rows of a wall of load cells, all parts together say when and how it meets one of them.
+    """
+    obstacles = _obstacles(model, carrier.name)
+    seen = [meeting(recording, carrier, mass, obstacles) for recording in recordings] if obstacles else []
+    found = next((one for one in seen if one is not None), None)
+    if found is not None:
+        yield from (_proposal(model, carrier, mass, part, found, form) for part in obstacles for form in FORMS)
 
 
 def _obstacles(model: Model, carrier: str) -> list[str]:
@@ -100,6 +103,7 @@ def _proposal(model: Model, carrier: Body, mass: float, obstacle: str, found: Me
     masses = (f"body.{carrier.name}.mass", f"body.{load}.mass")
     free = {f"joint.{name}.{key}": value for name, law in laws.items() for key, value in law.items() if not value.fixed}
     starts = tuple(_starts(masses, mount, contact, free, mass, found))
+    form = form if len(_obstacles(model, carrier.name)) == 1 else f"{form} with {obstacle}"
     return Proposal("carried_load", form, {"body": carrier.name}, augmented, (*masses, *free), {}, starts)
 
 
@@ -157,16 +161,19 @@ def _starts(
         }
 
 
-def _channels(recording: xr.DataTree, carrier: str, obstacle: str) -> tuple[np.ndarray, ...] | None:
-    """Times, the carrier's acceleration, the obstacle's force, the carrier's first velocity; towards the obstacle positive."""
+def _channels(recording: xr.DataTree, carrier: str, obstacles: Sequence[str]) -> tuple[np.ndarray, ...] | None:
+    """Times, the carrier's acceleration, the force on all obstacles, the carrier's first velocity; towards them positive."""
     acceleration = _channel(recording, "accelerometer", "acceleration", carrier)
-    force = _channel(recording, "load_cell", "force", obstacle)
+    forces = [_channel(recording, "load_cell", "force", obstacle) for obstacle in obstacles]
     state = recording.children.get("initial")
-    if acceleration is None or force is None or state is None or carrier not in state.to_dataset()["body"].values:
+    if acceleration is None or state is None or carrier not in state.to_dataset()["body"].values:
         return None
     velocity = float(state.to_dataset()["velocity"].sel(body=carrier).isel(axis=0))
     sense, time = np.sign(velocity), acceleration[0]
-    return time, sense * acceleration[1], sense * np.interp(time, *force), np.array(abs(velocity))
+    pushed = [np.interp(time, *force) for force in forces if force is not None]
+    if len(pushed) < len(forces):
+        return None
+    return time, sense * acceleration[1], sense * np.sum(pushed, axis=0), np.array(abs(velocity))
 
 
 def _channel(recording: xr.DataTree, observer: str, quantity: str, body: str) -> tuple[np.ndarray, np.ndarray] | None:

@@ -88,7 +88,7 @@ def found(model, workshop, recorded):
         proposals = workshop.hypotheses[physics]().propose(base.model, motion, list(base.recordings.values()))
         equipped = workshop.equipped([proposal.model for proposal in proposals])
         nearest, _ = nearest_rivals(equipped, base, proposals, lambda _: LEAST_DROP, silent)
-        ranked = further_rivals(equipped, base, given, proposals, nearest, True, silent)
+        ranked = further_rivals(equipped, base, given, proposals, nearest, True, silent).rivals
         look = Round(tuple(ranked), (1.0,), 0.0, base)
         (look,), search = in_best_forms(equipped, begin(workshop.identifier, base), [look], ranked[0].search, silent)
         proposal, search = look.rivals[0].proposal, search.advance(40)

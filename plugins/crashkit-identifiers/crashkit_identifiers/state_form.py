@@ -9,7 +9,7 @@ import xarray as xr
 from attrs import evolve, frozen
 
 from crashkit.misfit import Misfit
-from crashkit.protocols import Identification, Identifier, Problem, Status
+from crashkit.protocols import Identification, Problem, Regression, Status
 from crashkit_identifiers.equation_error import EquationError
 from crashkit_identifiers.levenberg_marquardt import Limits, Search, advance, begin
 from crashkit_identifiers.measured import measured_motions, thinned
@@ -58,7 +58,7 @@ class RegressionState:
 
 
 @frozen
-class StateFormRegression(Identifier[RegressionState]):
+class StateFormRegression(Regression[RegressionState]):
     """Least squares of x'' = f(X) U + g(X) on the measured state X (Mizzi & Jezequel 1992, eq 33).
 
     Linear while no threshold is crossed at another instant than before, so it is solved again as the intervals move. A
@@ -91,6 +91,10 @@ class StateFormRegression(Identifier[RegressionState]):
         """One solution on the intervals that hold now."""
         equations = _equations(with_recordings(problem, self.name), state.measured)
         return evolve(state, search=advance(equations, state.search, Limits(tolerance=1e-8, steps=self.step_limit)))
+
+    def equations(self, problem: Problem, state: RegressionState) -> Problem:
+        """The equations of motion along the measured motion, over its noise."""
+        return _equations(with_recordings(problem, self.name), state.measured)
 
     def finish(self, problem: Problem, state: RegressionState) -> Identification:
         """The parameters, with what the recordings themselves say of them."""
