@@ -63,7 +63,7 @@ def diagnose(
     rehearsed = workshop.rehearsed(model, [*recordings.values(), *holdout.values()])
     equipped, discovery = _explained(rehearsed, model, recordings, limit)
     if not limit.is_over and holdout and _contradicted(equipped, discovery, model, recordings, holdout):
-        rivals = discovery.rounds[0].rivals if len(discovery.rounds) == 1 else ()
+        rivals = _leading(discovery)
         again, together = _explained(rehearsed, model, {**recordings, **holdout}, limit, rivals)
         if not limit.is_over:
             return nothing_predicted(_told(again, together, {}), tuple(holdout))
@@ -164,8 +164,15 @@ def _refined(workshop: Workshop, discovery: Discovery, model: Model, recordings:
     full = weighed_alike(workshop.first_misfit(model, recordings), found)
     base, final = (workshop.misfit(full, search.fitted().model) for search in searches)
     if rounds and _is_worthless(rounds, base, final):
-        return evolve(discovery, base=base, final=base, search=searches[0].unbelieving(), rounds=())
-    return evolve(discovery, base=base, final=final, search=searches[1].unbelieving(), rounds=rounds)
+        rounds, final, searches = (), base, [searches[0]] * 2
+    last = discovery.rounds[0] if discovery.rounds and not rounds else discovery.last
+    return evolve(discovery, base=base, final=final, search=searches[1].unbelieving(), rounds=rounds, last=last)
+
+
+def _leading(discovery: Discovery) -> Sequence[Rival]:
+    """What a held-out run that contradicts a discovery should be asked for first: the rivals of its one look."""
+    looks = discovery.rounds or ((discovery.last,) if discovery.last else ())
+    return looks[0].rivals if len(looks) == 1 else ()
 
 
 def _is_worthless(rounds: Sequence[Round], base: Misfit, final: Misfit) -> bool:

@@ -19,8 +19,9 @@ STRAINED = 9.0
 GENUINE = 0.95
 """Share of its drop that an estimated table is credited with: two dozen free heights imitate any force of the deformation, and
 more closely than a known law whose form is slightly off."""
-IMITATING = 0.85
-"""The same while it leaves something unexplained."""
+IMITATING, OF_DEFORMATION = 0.85, "deformation"
+"""The same of a table of the deformation, whose form has that name, while it leaves something unexplained: most known laws are
+of the deformation, and may have another form than those that were tried."""
 TIMED, IN_TIME = 0.98, "time"
 """The same of a table of the time that several runs have in common, whose form has that name: a force of the deformation comes
 at another time in each of them, and is not imitated by it."""
@@ -74,7 +75,7 @@ def _credit(proposal: Proposal, search: Search) -> float:
         return 1.0
     if proposal.form == IN_TIME and len(search.misfit.recordings) > 1:
         return TIMED
-    return GENUINE if search.normalised < FLOOR else IMITATING
+    return IMITATING if proposal.form == OF_DEFORMATION and search.normalised >= FLOOR else GENUINE
 
 
 def probabilities(ranked: Sequence[Rival], tried: int) -> tuple[np.ndarray, float]:

@@ -11,9 +11,8 @@ from crashkit.diagnose.look import Round, between, is_unknown
 from crashkit.diagnose.rebuild import rebuild
 from crashkit.diagnose.result import own_name
 from crashkit.diagnose.rounds import Discovery
-from crashkit.diagnose.search import begin, begin_all
+from crashkit.diagnose.search import Search, begin, begin_all
 from crashkit.diagnose.workshop import Workshop
-from crashkit.misfit import Misfit
 
 HEATS = ((30, 6), (3, 40))
 """How many enter each, and how many steps each gets there."""
@@ -37,21 +36,21 @@ def _beside_twins(workshop: Workshop, discovery: Discovery, look: Round) -> Roun
     """The round with twins, which are weighed as the finding is now: what stands beside it may have got a better form."""
     winner = evolve(look.rivals[0], search=discovery.search)
     others = [one.rivals[0] for one in discovery.rounds if one is not look]
-    twins = [] if is_unknown(winner) else _twins(workshop, discovery.base, winner, others)
-    if not twins:
+    without = (
+        None if is_unknown(winner) else rebuild(workshop, begin(workshop.identifier, discovery.base), others, winner.search)
+    )
+    twins = [] if without is None else _twins(workshop, without, winner, others)
+    if without is None or not twins:
         return look
     fitted = ranked_by_evidence(heats(twins, HEATS, lambda doing, share: None), winner.search.deviance + winner.drop)
     leading = max([winner, *fitted], key=lambda rival: rival.evidence)
     rivals = sorted([winner, *look.rivals[1:], *fitted], key=lambda rival: -rival.evidence)
-    return between(look, best_forms([leading, *rivals]))
+    return between(evolve(look, before=without.fitted()), best_forms([leading, *rivals]))
 
 
-def _twins(workshop: Workshop, base: Misfit, winner: Rival, others: Sequence[Rival]) -> list[Entrant]:
+def _twins(workshop: Workshop, without: Search, winner: Rival, others: Sequence[Rival]) -> list[Entrant]:
     """Searches of all claims of the same numbers, from where they are, beside the other findings."""
     numbers = _numbers(winner)
-    without = rebuild(workshop, begin(workshop.identifier, base), others, winner.search)
-    if without is None:
-        return []
     origin, known = without.misfit.with_values_of(winner.search.fitted()), {rival.identity for rival in (winner, *others)}
     alike = [p for p in propose_all(workshop, origin) if {own_name(path) for path in p.parameters} == set(numbers)]
     twins = [twin for twin in alike if identity(twin) not in known]

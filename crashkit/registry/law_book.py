@@ -23,6 +23,7 @@ class LawBook(Mapping[str, type[SpringLaw]]):
     """Laws and factors by name; a name may also combine several, where they fit together.
 
     - "a | b" is a and b side by side, as two joints at the same place would be: F = F_a + F_b;
+    - "a & b" is the same of a joint that only pushes, whatever b asks: F = max(0, F_a + F_b);
     - "a % f" is law a of which the share f remembers how far it was compressed and the rest does not: F = f F_a(d, d_max) +
       (1 - f) F_a(d, d);
     - "a / f" is law a that turns to a second, less steep line as it unloads, which factor f gives with its `slope_ratio` r:
@@ -32,7 +33,7 @@ class LawBook(Mapping[str, type[SpringLaw]]):
     - "a + b" is law a with b added to its loading curve. Then b takes part in unloading and in the rate factor of a. The first
       law must hold the statement `added = 0.0` after it has set `turn`; what is added must end in its only `return`.
 
-    They bind in the order +, ~, *, /, %, |. A parameter that two of them declare alike, such as a clearance, is one and the
+    They bind in the order +, ~, *, /, %, &, |. A parameter that two of them declare alike, such as a clearance, is one and the
     same in all but "a + b"; no other names may be shared, and one of them at most may have a memory. What has branches of its
     own, or runs as plain Python, stands alone.
     """
@@ -131,6 +132,7 @@ def _joined(first: type[SpringLaw], second: type[SpringLaw], sign: str) -> type[
     softer = ", ".join(f"{SLOPE} * {RATIO} / second({other})" if name == SLOPE else name for name in _arguments(first))
     total = {
         " | ": f"first({one}) + second({other})",
+        " & ": f"max(0.0, first({one}) + second({other}))",
         " % ": f"second({other}) * first({one}) + (1.0 - second({other})) * first({fresh})",
         " / ": f"max(first({one}), second({other}) * first({softer}))",
         " * ": f"first({one}) * second({other})",
@@ -225,6 +227,7 @@ class _Renamed(ast.NodeTransformer):
 
 SIGNS = {
     " | ": (are_parallel, _joined),
+    " & ": (are_parallel, _joined),
     " % ": (parts, _joined),
     " / ": (turns, _joined),
     " * ": (multiplies, _joined),
@@ -232,4 +235,4 @@ SIGNS = {
     " + ": (fit_together, _sum),
 }
 """What a sign asks of two laws, and what it makes of them; the sign that binds least comes first."""
-MEANINGS = {" | ": "beside", " % ": "in part, by", " / ": "with a", " * ": "times", " ~ ": "through"}
+MEANINGS = {" | ": "beside", " & ": "pushing beside", " % ": "in part, by", " / ": "with a", " * ": "times", " ~ ": "through"}

@@ -178,6 +178,13 @@ def test_laws_stand_side_by_side(d, q):
     assert both.memory == "dashpot_deformation"
 
 
+@given(d=deformations, rate=st.floats(-5.0, 5.0))
+def test_a_joint_that_only_pushes_lets_go_where_the_sum_would_pull(d, rate):
+    numbers = (ALPHA, DELTA, GAMMA, BETA, SLOPE, 0.0, 0.0, 0.0, 0.0, 0.0, 3e4, 1e-3)
+    force = BOOK["crush_plateau & viscous"].force(d, rate, d, *numbers)
+    assert force == pytest.approx(max(0.0, BOOK["crush_plateau | viscous"].force(d, rate, d, *numbers)), rel=1e-12, abs=1e-9)
+
+
 def test_what_is_declared_alike_is_one():
     names = [spec.name for spec in BOOK["crush_plateau | viscous"].parameters]
     assert names.count("clearance") == 1

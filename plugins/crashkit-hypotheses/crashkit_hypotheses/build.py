@@ -14,6 +14,8 @@ from crashkit.registry import load
 
 NEARER = 1e-3
 """m, least approach of two bodies that may touch."""
+PUSHES = Parameter(0.0, fixed=True)
+"""A joint that does not say whether it pulls."""
 NEVER_TURNS = 1e9
 """m2, moment of inertia over mass of a body that does not turn."""
 
@@ -51,6 +53,24 @@ def added(
     if " + " in joint.law or name not in load().spring_laws:
         return parallel(model, joint, physics, form, law, parameters, amplitude, starts)
     return changed(model, evolve(joint, law=name), physics, form, parameters, amplitude, starts)
+
+
+def pushing_beside(
+    model: Model,
+    joint: Joint,
+    physics: str,
+    form: str,
+    law: str,
+    parameters: Mapping[str, Parameter | tuple[Parameter, ...]],
+    amplitude: str,
+    starts: Iterable[Mapping[str, float]] = ({},),
+) -> list[Proposal]:
+    """A force beside the law of `joint`, which together only push; none where that law takes none or may pull."""
+    name = f"{joint.law} & {law}"
+    taken = not set(parameters).isdisjoint(joint.parameters)
+    if taken or joint.parameters.get("tension", PUSHES).value or name not in load().spring_laws:
+        return []
+    return [changed(model, evolve(joint, law=name), physics, form, parameters, amplitude, starts)]
 
 
 def changed(

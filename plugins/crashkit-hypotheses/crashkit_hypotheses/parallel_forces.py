@@ -9,7 +9,15 @@ from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import added, grid, largest_deformation, largest_extension, largest_rate, parallel
+from crashkit_hypotheses.build import (
+    added,
+    grid,
+    largest_deformation,
+    largest_extension,
+    largest_rate,
+    parallel,
+    pushing_beside,
+)
 
 BEFORE = 1.6
 """Times the deformation at which the plateau begins: a peak beyond that is none before the plateau."""
@@ -40,7 +48,8 @@ PHASES = (0.0, -1 / 3, 1 / 3)
 
 
 class ViscousDamping(Hypothesis):
-    """F = F_law + c ddot, F_law + c ddot |ddot|^(n - 1), or another c on the way back; while compressed or at all times."""
+    """F = F_law + c ddot, F_law + c ddot |ddot|^(n - 1), or another c on the way back; while compressed, at all times, or in
+    a joint that only pushes."""
 
     physics: ClassVar[str] = "viscous_damping"
     sentence: ClassVar[str] = "{place} is damped: part of its force opposes the deformation rate and grows with it"
@@ -64,7 +73,11 @@ class ViscousDamping(Hypothesis):
             parallel(model, joint, self.physics, "two-way", "viscous_power", two_way, "damping", rebounds),
             parallel(model, joint, self.physics, "two-way, always", "viscous_power", two_way | always, "damping", rebounds),
         ]
-        return [*plain, *(evolve(form, refined=True) for form in fine)]
+        pushing = [
+            *pushing_beside(model, joint, self.physics, "linear, only pushing", "viscous", damping, "damping"),
+            *pushing_beside(model, joint, self.physics, "power, only pushing", "viscous_power", power, "damping", powers),
+        ]
+        return [*plain, *pushing[:1], *(evolve(form, refined=True) for form in (*fine, *pushing[1:]))]
 
 
 class JointFriction(Hypothesis):
@@ -96,7 +109,7 @@ class JointFriction(Hypothesis):
             for form, (law, parameters) in laws.items()
             for when, always in times.items()
         ]
-        return [
+        beside = [
             evolve(
                 parallel(model, joint, self.physics, name, law, parameters, "friction_force"),
                 refined=form in REFINED,
@@ -104,6 +117,9 @@ class JointFriction(Hypothesis):
             )
             for form, name, law, parameters in told
         ]
+        closed = {**force, **SMOOTH, "always": Parameter(0.0, fixed=True)}
+        pushing = pushing_beside(model, joint, self.physics, "smooth, only pushing", "coulomb", closed, "friction_force")
+        return [*beside, *(evolve(form, refined=True) for form in pushing)]
 
 
 class PeakLoad(Hypothesis):

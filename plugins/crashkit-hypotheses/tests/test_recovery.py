@@ -337,6 +337,13 @@ def with_error(model, sensor, instrument="accelerometer", **errors):
     return model
 
 
+def cushioned(model):
+    """The second joint holds a dashpot, and only pushes."""
+    second = model.joint("second")
+    law = evolve(second, law=f"{second.law} & viscous", parameters={**second.parameters, **fixed(damping=6e3)})
+    return evolve(model, joints=tuple(law if joint.name == "second" else joint for joint in model.joints))
+
+
 CASES = {
     softened: (
         ("fracture", "compression", {"joint": "first"}),
@@ -393,6 +400,7 @@ CASES = {
         {"loss": 0.2, "exponent": 1.5, "stop_deformation": 0.9},
     ),
     absorbing: (("viscous_damping", "two-way", {"joint": "second"}), {"damping": 4e3, "rebound": 0.35}),
+    cushioned: (("viscous_damping", "linear, only pushing", {"joint": "second"}), {"damping": 6e3}),
     pulling: (("tension", "own line, to a limit", {"joint": "second"}), {"tension_force": 1.5e4}),
     sliding: (("obstacle_motion", "sliding", {"body": "wall"}), {"mass": 2500.0, "friction_force": 2.5e4}),
     pushed_away: (("obstacle_motion", "free", {"body": "wall"}), {"mass": 4e3}),
@@ -412,7 +420,7 @@ CASES = {
     drifting: (("bias", "drift", {"sensor": "rear_sensor"}), {"bias": 2.0, "bias_drift": 30.0}),
 }
 
-LATE = {absorbing, belted, pulling, relaxing_twice}
+LATE = {absorbing, cushioned, belted, pulling, relaxing_twice}
 """What acts on the way back."""
 
 
