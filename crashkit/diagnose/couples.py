@@ -153,15 +153,16 @@ class _Begun:
 
 
 def _begun(workshop: Workshop, given: Misfit, promise: Promise) -> _Begun | None:
-    """The model with both claims where a short regression leads it; None where the second has no place beside the first."""
+    """The model with both claims where a short regression leads it; None where the second has no place beside the first, or
+    its law there would have to be compiled first."""
     _, leader, other = promise
     alone = workshop.misfit(given, leader.proposal.model).with_values(leader.values)
     second = next((p for p in propose_all(workshop, alone) if is_same(p, other.proposal)), None)
-    if second is None:
+    if second is None or not workshop.holds(second.model):
         return None
     start = {name: other.values[name] for name in second.parameters if name in other.values}
     together = workshop.misfit(alone, second.model).with_values_of(alone).with_values(start)
-    end = regression(workshop, [together], OPENING)
+    end = regression(workshop, together, rounds=OPENING)
     if end is None:
         return None
     return _Begun(leader.proposal, second, together.with_values(end[0]), end[1] + leader.price + other.price)
@@ -182,7 +183,7 @@ def _simulated(workshop: Workshop, begun: Sequence[_Begun], progress: Progress) 
 
 
 def _shown(workshop: Workshop, one: _Begun) -> Mapping[str, float]:
-    end = regression(workshop, [one.misfit])
+    end = regression(workshop, one.misfit)
     return grown(workshop.identifier, one.misfit if end is None else one.misfit.with_values(end[0]))
 
 

@@ -35,14 +35,14 @@ def opened(workshop: Workshop, given: Misfit, proposals: Sequence[Proposal], pro
     a claim that has no such equation, as those about an instrument.
     """
     # This also measures the motion, before copies of this process would each do so.
-    if regression(workshop, [given]) is None:
+    if regression(workshop, given) is None:
         return [None] * len(proposals)
 
     def end_of(proposal: Proposal) -> End | None:
         if workshop.hypotheses[proposal.physics].sensor:
             return None
         origin = workshop.misfit(given, proposal.model).with_values_of(given)
-        return regression(workshop, [origin.with_values({**proposal.null, **start}) for start in proposal.starts], OPENING)
+        return regression(workshop, origin, [{**proposal.null, **start} for start in proposal.starts], OPENING)
 
     def shown(done: int) -> None:
         progress(f"regressing the equations of motion for {len(proposals)} claims", done / len(proposals))
@@ -61,7 +61,7 @@ def regressed(
 
     def ended(claim: tuple[Proposal, End]) -> End | None:
         proposal, (values, _) = claim
-        return regression(workshop, [workshop.misfit(given, proposal.model).with_values(values)])
+        return regression(workshop, workshop.misfit(given, proposal.model).with_values(values))
 
     ahead = _ranked(proposals, ends)[:CLAIMS]
     ahead = _ranked([proposal for proposal, _ in ahead], spread(ended, ahead))[: HEATS[0][0]]
@@ -78,17 +78,24 @@ def _ranked(proposals: Sequence[Proposal], ends: Sequence[End | None]) -> list[t
     return first_of_each(sorted(ended, key=lambda claim: claim[1][1]), 1)
 
 
-def regression(workshop: Workshop, misfits: Sequence[Misfit], rounds: Sequence[tuple[int | None, int]] = ROUNDS) -> End | None:
-    """Where the best regression from the values of these misfits ends; None where there are no such equations."""
+def regression(
+    workshop: Workshop,
+    misfit: Misfit,
+    starts: Sequence[Mapping[str, float]] = ({},),
+    rounds: Sequence[tuple[int | None, int]] = ROUNDS,
+) -> End | None:
+    """Where the best regression ends that begins at the values of a misfit, changed to one of these; None where there are no
+    such equations."""
+    starter = workshop.starter
     try:
-        searches = [(misfit, workshop.starter.start(misfit)) for misfit in misfits]
+        first = starter.start(misfit)
+        states = [starter.moved(misfit, first, misfit.start_at(start)) if start else first for start in starts]
         for size, steps in rounds:
-            ahead = sorted(searches, key=lambda search: search[1].cost)[:size]
-            searches = [(misfit, _advanced(workshop.starter, misfit, state, steps)) for misfit, state in ahead]
+            states = [_advanced(starter, misfit, one, steps) for one in sorted(states, key=lambda state: state.cost)[:size]]
     except CrashkitError:
         return None
-    misfit, state = min(searches, key=lambda search: search[1].cost)
-    return misfit.values(state.point), state.cost
+    best = min(states, key=lambda state: state.cost)
+    return misfit.values(best.point), best.cost
 
 
 def residual_and_jacobian(workshop: Workshop, misfit: Misfit) -> tuple[np.ndarray, np.ndarray] | None:

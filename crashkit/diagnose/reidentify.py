@@ -41,7 +41,7 @@ def reidentify(workshop: Workshop, misfit: Misfit) -> Search:
 
 def understood(workshop: Workshop, misfit: Misfit) -> Search:
     """The best fit that is come to little by little, from the misfit's own values and where the equations of motion lead."""
-    end = regression(workshop, [misfit])
+    end = regression(workshop, misfit)
     starts = [misfit] if end is None else [misfit, misfit.with_values(end[0])]
     ends = spread(partial(grown, workshop.identifier), starts)
     return _fitted(workshop, misfit, [*ends, *([] if end is None else [end[0]])])

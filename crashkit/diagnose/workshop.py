@@ -38,6 +38,10 @@ class Workshop:
         """The misfit of a model to some recordings."""
         return Misfit(model, recordings, self.laws, self.observers, self.engine, self.step)
 
+    def holds(self, model: Model) -> bool:
+        """Whether the engine holds all laws of a model."""
+        return self.engine is not None and functions_of(model, self.laws) <= self.engine.numbers.keys()
+
     def equipped(self, models: Iterable[Model]) -> "Workshop":
         """The same with an engine that also holds the laws of these models."""
         models = list(models)

@@ -68,7 +68,9 @@ def track_of(model: Model, joint: Joint, law: JointLaw, motion: xr.Dataset) -> T
     # Against the flat face of the first body both forces act at the point of the second.
     first_arm = first.arm + apart if joint.normal is not None else first.arm
     ends = (first.row, -_wrench(direction, first_arm)), (second.row, _wrench(direction, second.arm))
-    return Track(law, motion["time"].values.astype(float), distance, np.minimum.accumulate(distance), rate, length, ends)
+    return Track(
+        law, motion.variables["time"].values.astype(float), distance, np.minimum.accumulate(distance), rate, length, ends
+    )
 
 
 def in_space(axes: Sequence[str], vector: Sequence[float]) -> np.ndarray:
@@ -99,15 +101,20 @@ class _End:
         name = joint.bodies[number]
         point = joint.points[number] if joint.points else (0.0,) * len(model.axes)
         row = [body.name for body in model.bodies].index(name)
-        place = motion["body"].values.tolist().index(name)
-        position, velocity = (motion[q].transpose("time", "body", "axis").values[:, place] for q in ("position", "velocity"))
+        place = motion.variables["body"].values.tolist().index(name)
+        position, velocity = (_by_body(motion, quantity)[:, place] for quantity in ("position", "velocity"))
         own = in_space(model.axes, point)
         if len(model.axes) == 1:
             arm = np.broadcast_to(own, position.shape)
             return cls(row, arm, position + arm, velocity, np.zeros_like(position), None)
         frame = rotations(motion, name)
-        arm, spin = frame.apply(own), motion["angular_velocity"].sel(body=name).transpose("time", "axis").values
+        arm, spin = frame.apply(own), _by_body(motion, "angular_velocity")[:, place]
         return cls(row, arm, position + arm, velocity + np.cross(spin, arm), spin, frame)
+
+
+def _by_body(motion: xr.Dataset, quantity: str) -> np.ndarray:
+    """(time, body, axis). A bare variable: to set up a named array for each end of each joint takes longer than its use."""
+    return np.asarray(motion.variables[quantity].transpose("time", "body", "axis").values)
 
 
 def _direction(model: Model, joint: Joint, first: _End, apart: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

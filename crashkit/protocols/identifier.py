@@ -93,5 +93,9 @@ class Regression(Identifier[State]):
     """
 
     @abstractmethod
+    def moved(self, problem: Problem, state: State, point: np.ndarray) -> State:
+        """The state before the first step from another point; what the equations are made of is not made again."""
+
+    @abstractmethod
     def equations(self, problem: Problem, state: State) -> Problem:
         """What is left of the equations, as a problem over the same search variables."""

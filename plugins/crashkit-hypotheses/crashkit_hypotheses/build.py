@@ -65,10 +65,9 @@ def pushing_beside(
     amplitude: str,
     starts: Iterable[Mapping[str, float]] = ({},),
 ) -> list[Proposal]:
-    """A force beside the law of `joint`, which together only push; none where that law takes none or may pull."""
+    """A force beside the law of `joint`, which together only push; none where that law is made of several or may pull."""
     name = f"{joint.law} & {law}"
-    taken = not set(parameters).isdisjoint(joint.parameters)
-    if taken or joint.parameters.get("tension", PUSHES).value or name not in load().spring_laws:
+    if " " in joint.law or joint.parameters.get("tension", PUSHES).value or name not in load().spring_laws:
         return []
     return [changed(model, evolve(joint, law=name), physics, form, parameters, amplitude, starts)]
 

@@ -119,7 +119,7 @@ class JointFriction(Hypothesis):
         ]
         closed = {**force, **SMOOTH, "always": Parameter(0.0, fixed=True)}
         pushing = pushing_beside(model, joint, self.physics, "smooth, only pushing", "coulomb", closed, "friction_force")
-        return [*beside, *(evolve(form, refined=True) for form in pushing)]
+        return [*beside, *(evolve(form, refined=True, odds=1.0 / len(times)) for form in pushing)]
 
 
 class PeakLoad(Hypothesis):

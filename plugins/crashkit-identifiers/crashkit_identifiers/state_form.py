@@ -89,8 +89,13 @@ class StateFormRegression(Regression[RegressionState]):
 
     def step(self, problem: Problem, state: RegressionState) -> RegressionState:
         """One solution on the intervals that hold now."""
-        equations = _equations(with_recordings(problem, self.name), state.measured)
-        return evolve(state, search=advance(equations, state.search, Limits(tolerance=1e-8, steps=self.step_limit)))
+        return evolve(
+            state, search=advance(self.equations(problem, state), state.search, Limits(tolerance=1e-8, steps=self.step_limit))
+        )
+
+    def moved(self, problem: Problem, state: RegressionState, point: np.ndarray) -> RegressionState:
+        """The state at another point, along the same motion."""
+        return evolve(state, search=begin(self.equations(problem, state), point))
 
     def equations(self, problem: Problem, state: RegressionState) -> Problem:
         """The equations of motion along the measured motion, over its noise."""
