@@ -24,6 +24,8 @@ from crashkit.misfit import Misfit
 from crashkit.model import Model
 
 MOST_FINDINGS = 3
+HALF = 0.5
+"""Of what the model without it leaves above the noise: a claim that leaves more is not followed before all are asked."""
 NEEDED = 100.0
 """Chi squared that the loss of a finding must cost for it to be plainly needed."""
 FIFTH = 0.2
@@ -99,7 +101,7 @@ def _nearby(
 ) -> tuple[Round, Discovery | None]:
     """The look with its best known claim at its best, and what that leads to if it may be all there is."""
     known = [rival for rival in near.rivals if not is_unknown(rival)]
-    if not known:
+    if not known or known[0].search.excess > HALF * base_search.excess:
         return near, None
     first = settled(workshop, given, between(near, known), known[0], [], progress)
     search = first.rivals[0].search

@@ -14,8 +14,6 @@ from crashkit.registry import load
 
 NEARER = 1e-3
 """m, least approach of two bodies that may touch."""
-PUSHES = Parameter(0.0, fixed=True)
-"""A joint that does not say whether it pulls."""
 NEVER_TURNS = 1e9
 """m2, moment of inertia over mass of a body that does not turn."""
 
@@ -67,7 +65,8 @@ def pushing_beside(
 ) -> list[Proposal]:
     """A force beside the law of `joint`, which together only push; none where that law is made of several or may pull."""
     name = f"{joint.law} & {law}"
-    if " " in joint.law or joint.parameters.get("tension", PUSHES).value or name not in load().spring_laws:
+    pull = joint.parameters.get("tension")
+    if " " in joint.law or (isinstance(pull, Parameter) and pull.value) or name not in load().spring_laws:
         return []
     return [changed(model, evolve(joint, law=name), physics, form, parameters, amplitude, starts)]
 
@@ -133,11 +132,12 @@ def between(
     parameters: Mapping[str, Parameter | tuple[Parameter, ...]],
     amplitude: str,
     starts: Iterable[Mapping[str, float]] = ({},),
+    null: float | None = 0.0,
 ) -> Proposal:
     """A joint between two bodies that have none."""
     name = fresh_name(f"{pair[0]}_{pair[1]}_{physics}", (joint.name for joint in model.joints))
     augmented = with_joint(model, Joint(name, pair, law, dict(parameters)))
-    return proposal(physics, form, {"bodies": list(pair)}, augmented, f"joint.{name}.", parameters, amplitude, starts)
+    return proposal(physics, form, {"bodies": list(pair)}, augmented, f"joint.{name}.", parameters, amplitude, starts, null)
 
 
 def proposal(

@@ -3,7 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
+import numpy as np
 import xarray as xr
+from attrs import evolve
 
 from crashkit.model import Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
@@ -22,14 +24,21 @@ RELEASE = 5.0
 
 
 class MissingContact(Hypothesis):
-    """A joint between two bodies that have none: F = k x, c x^2 or P x^n (1 + c ddot), x = max(0, d - gap), or one crushed."""
+    """A joint between two bodies that have none: F = k x, c x^2 or P x^n (1 + c ddot), x = max(0, d - gap), or one crushed,
+    to a plateau or to densification beyond it."""
 
     physics: ClassVar[str] = "missing_contact"
     sentence: ClassVar[str] = "{place} touch, which the model does not know"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every pair of bodies without a joint that come closer than they were."""
-        return [form for pair, reached in approaching(model, motion).items() for form in self._forms(model, pair, reached)]
+        force = max(float(np.nanmax(np.abs(one["force"].values), initial=1.0)) for one in motion)
+        pairs = approaching(model, motion).items()
+        return [
+            form
+            for pair, reached in pairs
+            for form in (*self._forms(model, pair, reached), self._member(model, pair, reached, force))
+        ]
 
     def _forms(self, model: Model, pair: tuple[str, str], reached: float) -> list[Proposal]:
         line = {"stiffness": Parameter(0.0, 0.0, 1e10)}
@@ -52,6 +61,25 @@ class MissingContact(Hypothesis):
             ("crushed", "crush_stop", crushed, {"stop_deformation": CRUSHED, "crush_length": LENGTHS}),
         ]
         return [self._contact(model, pair, reached, *form) for form in forms]
+
+    def _member(self, model: Model, pair: tuple[str, str], reached: float, force: float) -> Proposal:
+        """A whole member between the two, as a model's own are: elastic, a plateau, densification, behind a gap.
+
+        Arguments:
+            force: N, the largest in the model's own joints.
+        """
+        slope = Parameter(5.0 * force / reached, 1e-3 * force / reached, 1e4 * force / reached)
+        member = {
+            "elastic_stiffness": slope,
+            "crush_force": Parameter(0.3 * force, 1e-4 * force, 10.0 * force),
+            "densification_deformation": Parameter(0.7 * reached, 1e-3 * reached, 10.0 * reached),
+            "densification_stiffness": slope,
+            "unloading_stiffness": evolve(slope, value=20.0 * force / reached),
+            "clearance": Parameter(0.3 * reached, 0.0, reached),
+        }
+        gaps = grid(clearance=[share * reached for share in LINE[:4]], crush_force=[0.1 * force, 0.4 * force])
+        own = between(model, pair, self.physics, "member", "crush_plateau", member, "crush_force", gaps, null=None)
+        return evolve(own, refined=True)
 
     def _contact(
         self,
