@@ -21,7 +21,7 @@ GENUINE = 0.98
 known one whose form is off by a seventh."""
 IMITATING, REACHING = 0.85, 1.09
 """The same of a table that anything is imitated by, and the normalised residual below which it does more than imitate."""
-OF_DEFORMATION, IN_TIME = "deformation", "time"
+OF_DEFORMATION, IN_TIME = ("deformation", "deformation, both ways", "travel"), "time"
 """Forms of such tables: most known laws are of the deformation, and in a single run each is a force of the time. In several,
 a force of the deformation comes at another time in each."""
 UNKNOWN_ODDS = 1e-2
@@ -72,7 +72,7 @@ def _credit(proposal: Proposal, search: Search) -> float:
     """The share of its drop that a claim is credited with."""
     if proposal.physics != UNKNOWN:
         return 1.0
-    imitates = proposal.form == OF_DEFORMATION or (proposal.form == IN_TIME and len(search.misfit.recordings) == 1)
+    imitates = proposal.form in OF_DEFORMATION or (proposal.form == IN_TIME and len(search.misfit.recordings) == 1)
     return IMITATING if imitates and search.normalised >= REACHING else GENUINE
 
 

@@ -16,6 +16,7 @@ from crashkit_hypotheses.build import (
     largest_deformation,
     largest_force,
     largest_rate,
+    largest_travel,
     multiplied,
     parallel,
 )
@@ -23,6 +24,8 @@ from crashkit_hypotheses.build import (
 Table = Mapping[str, Parameter | tuple[Parameter, ...]]
 
 KNOTS = 24
+LEAST = 1e-3
+"""m, of a travel that bumps cover."""
 MOST = 2.0
 """Times the largest force of the joint: no height is larger."""
 USUAL = 0.02
@@ -35,8 +38,8 @@ LARGE = 0.06
 class Unknown(Hypothesis):
     """A smooth table f over the range that the recordings cover.
 
-    In a joint F = F_law + f(d), unloading in its own way, F_law + f(ddot), F_law (1 + f(ddot)) or F_law + f(t); on a body f(t)
-    or f(v); between two bodies that no joint joins f(approach).
+    In a joint F = F_law + f(d), unloading in its own way or along f itself, F_law + f(ddot), F_law (1 + f(ddot)) or
+    F_law + f(t); on a body f(t), f(v) or f(travel); between two bodies that no joint joins f(approach).
     """
 
     physics: ClassVar[str] = "unknown"
@@ -55,11 +58,13 @@ class Unknown(Hypothesis):
         largest = max(largest_force(motion, joint.name), 1.0)
         reach, fastest = largest_deformation(motion, joint.name), largest_rate(motion, joint.name)
         of_deformation = _of_deformation(largest, reach)
+        both_ways = {name: value for name, value in of_deformation.items() if name != "unloading_length"}
         of_rate: Table = {"heights": _heights(largest), "reach": Parameter(fastest, fixed=True)}
         share: Table = {"rate_heights": _heights(1.0), "rate_reach": Parameter(fastest, fixed=True)}
         of_time = _of_time(largest, motion)
         return [
             parallel(model, joint, self.physics, "deformation", "smooth_table", of_deformation, "heights"),
+            parallel(model, joint, self.physics, "deformation, both ways", "smooth_table", both_ways, "heights"),
             parallel(model, joint, self.physics, "rate", "rate_table", of_rate, "heights"),
             multiplied(model, joint, self.physics, "rate, as a factor", "rate_curve", share, "rate_heights"),
             parallel(model, joint, self.physics, "time", "time_table", of_time, "heights"),
@@ -74,9 +79,14 @@ class Unknown(Hypothesis):
         fastest = max(float(np.nanmax(np.abs(one["velocity"].sel(body=body.name).values))) for one in motion)
         of_time = _of_time(largest, motion)
         of_speed: Table = {"heights": _heights(largest), "reach": Parameter(fastest, fixed=True)}
+        of_travel: Table = {
+            "heights": _heights(largest),
+            "reach": Parameter(max(largest_travel(motion, body.name), LEAST), fixed=True),
+        }
         return [
             grounded(model, body, self.physics, "time", "time_table", of_time, "heights"),
             grounded(model, body, self.physics, "speed", "rate_table", of_speed, "heights"),
+            grounded(model, body, self.physics, "travel", "smooth_table", of_travel, "heights"),
         ]
 
 
