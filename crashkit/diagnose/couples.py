@@ -82,6 +82,7 @@ def coupled(
 
 
 def _led(workshop: Workshop, given: Misfit, claim: tuple[Proposal, End]) -> Led | None:
+    """The equations about the end of a claim; None where they are not those of the model without it, or beyond all measure."""
     proposal, end = claim
     misfit = workshop.misfit(given, proposal.model).with_values(end[0])
     plain = given.with_values_of(misfit)
@@ -89,6 +90,8 @@ def _led(workshop: Workshop, given: Misfit, claim: tuple[Proposal, End]) -> Led 
     if with_claim is None or without is None or len(with_claim[0]) != len(without[0]):
         return None
     residual, jacobian = with_claim
+    if not (np.isfinite(residual).all() and np.isfinite(jacobian).all() and np.isfinite(without[0]).all()):
+        return None
     belief, slopes = plain.belief(plain.start())
     own = [number for number, name in enumerate(misfit.names) if name in proposal.parameters]
     shared = np.zeros((len(residual), len(plain.names)))
