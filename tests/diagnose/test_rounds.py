@@ -7,7 +7,7 @@ import pytest
 from attrs import evolve
 
 from crashkit.diagnose import rounds as questioned
-from crashkit.diagnose.diagnosis import _is_worthless
+from crashkit.diagnose.diagnosis import _is_worthless, _leading
 from crashkit.diagnose.evidence import Rival
 from crashkit.diagnose.left_out import left_out_drop
 from crashkit.diagnose.look import LEAST_DROP, Round, _is_given, least_drop
@@ -62,6 +62,17 @@ def test_what_all_samples_do_not_pay_for_is_worthless(offered):
     for damping, worthless in ((0.0, True), (800.0, False)):
         look, base, final = offered(damping)
         assert _is_worthless((look,), base.fitted(), final.fitted()) is worthless
+
+
+def test_a_run_that_contradicts_is_asked_for_the_rivals_of_the_one_look(offered):
+    """Also where that look's finding was dropped; of several looks none knows what stands beside its finding."""
+    look, base, _ = offered(800.0)
+    one, none, two = (
+        Discovery(base.fitted(), base.fitted(), base, rounds, last)
+        for rounds, last in (((look,), None), ((), look), ((look, look), None))
+    )
+    assert _leading(one) == _leading(none) == look.rivals
+    assert _leading(two) == _leading(evolve(none, last=None)) == ()
 
 
 def test_the_price_of_a_table_is_that_of_its_heights(misfit, model, recorded):

@@ -35,3 +35,12 @@ def test_a_form_for_which_a_long_curve_has_no_room_is_not_asked_for(workshop):
     assert {"piecewise_affine", SHARE, LINES, f"{LINES} % plastic_share"} <= short
     assert laws_of_unloading(workshop, 16) == short - {f"{LINES} % plastic_share"}
     assert laws_of_unloading(workshop, 26).isdisjoint({f"{LINES} % plastic_share", SHARE, LINES})
+
+
+def test_a_law_that_would_have_to_be_compiled_first_is_not_held(workshop):
+    model = toys.two_degrees()
+    first = model.joint("first")
+    other = evolve(first, law=f"{first.law} + linear_stop | maxwell & viscous")
+    assert workshop.holds(model)
+    assert not workshop.holds(evolve(model, joints=(other, *model.joints[1:])))
+    assert not evolve(workshop, engine=None).holds(model)
