@@ -57,6 +57,7 @@ def workshop(
     method: str = "sensitivity",
     finder: str = "multi_start",
     starter: str = "quick_state_form",
+    locator: str = "state_form",
     smoother: str = "gcv_quintic",
 ) -> Workshop:
     """The installed plugins, ready for a diagnosis."""
@@ -69,6 +70,7 @@ def workshop(
         registry.identifier(method)(),
         registry.identifier(finder)(),
         registry.regression(starter)(),
+        registry.regression(locator)(),
     )
 
 

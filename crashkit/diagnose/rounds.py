@@ -2,20 +2,21 @@
 
 from collections.abc import Sequence
 
-from attrs import field, frozen
+from attrs import evolve, field, frozen
 
 from crashkit.diagnose.beginnings import begun_otherwise
 from crashkit.diagnose.contest import Progress
+from crashkit.diagnose.courses import courses, outstanding
 from crashkit.diagnose.evidence import FLOOR, UNEXPLAINED, Rival, explains, is_sound
 from crashkit.diagnose.exchange import exchanged
 from crashkit.diagnose.forms import in_best_forms
 from crashkit.diagnose.in_time import in_time
-from crashkit.diagnose.look import FORM_ERRORS, Round, between, is_unknown, look_again
+from crashkit.diagnose.look import FORM_ERRORS, Round, between, is_of_readings, is_unknown, look_again
 from crashkit.diagnose.name import CONCEALED, may_conceal
 from crashkit.diagnose.needed import price
 from crashkit.diagnose.pairs import both, named_before_unknown
 from crashkit.diagnose.rebuild import rebuild, without_winner
-from crashkit.diagnose.result import place_of
+from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.search import Search
 from crashkit.diagnose.settle import settled
 from crashkit.diagnose.sharpen import check_pace
@@ -71,7 +72,7 @@ def discovered(workshop: Workshop, given: Misfit, base_search: Search, progress:
     if found is not None and _suffices(found.rounds, found.search, base_search):
         return found
     wide = in_time(_won(base_search, near), _widely, workshop, given, base_search, near, found, progress)
-    return wide if found is None else _cheaper(found, wide)
+    return _where_it_acts(workshop, given, wide if found is None else _cheaper(found, wide))
 
 
 def _suffices(rounds: Sequence[Round], search: Search, base_search: Search) -> bool:
@@ -87,6 +88,30 @@ def _cheaper(near: Discovery, wide: Discovery) -> Discovery:
     return min(
         near, wide, key=lambda one: one.search.deviance + sum(price(r.rivals[0].proposal, one.final) for r in one.rounds)
     )
+
+
+def _where_it_acts(workshop: Workshop, given: Misfit, found: Discovery) -> Discovery:
+    """What was found; where it leaves something, an estimated force at the one place that the equations of motion point to.
+
+    A cause that no law tells, as a joint that another one weakens, is imitated best by laws at other places. About instruments
+    that are wrong the equations say nothing.
+    """
+    claims = [look.rivals[0] for look in found.rounds]
+    if not claims or found.search.normalised < UNEXPLAINED or any(is_of_readings(claim.proposal) for claim in claims):
+        return found
+    course = outstanding(courses(workshop, given))
+    place = place_of(course.proposal.location) if course else None
+    if place in (None, *(place_of(claim.proposal.location) for claim in claims)):
+        return found
+    look = found.rounds[0]
+    estimate = next((rival for rival in look.rivals if rival.identity == (UNKNOWN, place)), None)
+    if estimate is None:
+        return found
+    others = [rival for rival in look.rivals if rival is not estimate]
+    first = between(look, [estimate, *others])
+    # What the equations say is in no evidence: that is of the recordings, and puts the estimate further down.
+    first = evolve(first, probabilities=tuple(sorted(first.probabilities, reverse=True)))
+    return evolve(found, final=estimate.search.fitted(), search=estimate.search, rounds=(first,))
 
 
 def _won(base_search: Search, look: Round) -> Discovery:

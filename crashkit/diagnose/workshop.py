@@ -16,8 +16,9 @@ from crashkit.protocols import Hypothesis, Identifier, Observer, Proposal, Regre
 
 @frozen
 class Workshop:
-    """The plugins by name, an identifier for every fit, one that looks everywhere for a first, one that needs no simulation to
-    find a start, the engine and its step, s, and the recordings as they are, where what is found may outrun thinned ones."""
+    """The plugins by name, an identifier for every fit, one that looks everywhere for a first, two that need no simulation, to
+    find a start and a place, the engine and its step, s, and the recordings as they are, where what is found may outrun
+    thinned ones."""
 
     laws: Mapping[str, type[SpringLaw]]
     observers: Mapping[str, type[Observer]]
@@ -26,6 +27,7 @@ class Workshop:
     identifier: Identifier[Any]
     finder: Identifier[Any]
     starter: Regression[Any]
+    locator: Regression[Any]
     engine: Engine | None = field(default=None)
     step: float = STEP
     recorded: Mapping[str, xr.DataTree] = field(factory=dict)

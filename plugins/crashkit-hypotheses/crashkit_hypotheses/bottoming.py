@@ -8,19 +8,24 @@ from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import added, grid, largest_deformation
+from crashkit_hypotheses.build import added, grid, largest_deformation, parallel
 
 SHARES = (0.5, 0.7, 0.85, 0.95)
+PLAIN = ("line", "parabola", "locking", "line, both ways", "parabola, both ways")
 
 
 class Bottoming(Hypothesis):
-    """F = F_law(d) + k x, + c x^2, + k x / (1 - x / l), or + P (exp(x / l) - 1), with x = max(0, d - e)."""
+    """F = F_law(d) + k x, + c x^2, + k x / (1 - x / l), or + P (exp(x / l) - 1), with x = max(0, d - e).
+
+    What stiffens is crushed, and unloads with the law, or is a stop beside it that gives back what it took.
+    """
 
     physics: ClassVar[str] = "bottoming"
     sentence: ClassVar[str] = "{place} bottoms out: it stiffens sharply at large deformation"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """A line, a parabola, a lock and an exponential at every joint that is compressed, from several engagements."""
+        """A line, a parabola, a lock and an exponential at every joint that is compressed, from several engagements, each
+        in the law and beside it."""
         reached = {joint.name: largest_deformation(motion, joint.name) for joint in model.joints}
         return [
             form
@@ -40,11 +45,16 @@ class Bottoming(Hypothesis):
             "stop_deformation": stop,
             "growth_way": Parameter(0.1 * reached, 0.01 * reached, 2.0 * reached),
         }
+        stops = (
+            ("line", "linear_stop", line, "stiffness"),
+            ("parabola", "quadratic_stop", parabola, "coefficient"),
+            ("locking", "locking_stop", lock, "stiffness"),
+            ("exponential", "exponential_stop", growth, "force"),
+        )
         starts = grid(stop_deformation=[share * reached for share in SHARES])
-        exponential = added(model, joint, self.physics, "exponential", "exponential_stop", growth, "force", starts)
-        return [
-            added(model, joint, self.physics, "line", "linear_stop", line, "stiffness", starts),
-            added(model, joint, self.physics, "parabola", "quadratic_stop", parabola, "coefficient", starts),
-            added(model, joint, self.physics, "locking", "locking_stop", lock, "stiffness", starts),
-            evolve(exponential, refined=True),
+        crushed = [added(model, joint, self.physics, *stop, starts) for stop in stops]
+        elastic = [
+            parallel(model, joint, self.physics, f"{form}, both ways", law, own, size, starts)
+            for form, law, own, size in stops
         ]
+        return [evolve(stop, refined=stop.form not in PLAIN) for stop in (*crushed, *elastic)]

@@ -145,10 +145,11 @@ class PeakLoad(Hypothesis):
         }
         width = {"peak_width": Parameter(0.4 * plateau, 0.01 * plateau, BEFORE * plateau)}
         flanked = {name: narrow[name] for name in peak} | width
+        uneven = flanked | {"peak_rise": width["peak_width"]}
         starts = grid(peak_deformation=(0.08 * reached, 0.2 * reached))
         narrow_starts = grid(peak_deformation=(0.7 * plateau, plateau, 1.4 * plateau))
-        shapes = (("pointed", "pointed_peak"), ("bell", "bell_peak"))
-        fine = [added(model, joint, self.physics, form, law, flanked, "peak_force", narrow_starts) for form, law in shapes]
+        shapes = (("pointed", "pointed_peak", flanked), ("uneven", "pointed_peak", uneven), ("bell", "bell_peak", flanked))
+        fine = [added(model, joint, self.physics, form, law, own, "peak_force", narrow_starts) for form, law, own in shapes]
         return [
             added(model, joint, self.physics, "bump", "peak", peak, "peak_force", starts),
             added(model, joint, self.physics, "narrow", "peak", narrow, "peak_force", narrow_starts),

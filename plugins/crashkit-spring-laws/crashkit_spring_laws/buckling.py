@@ -39,19 +39,25 @@ PLACE = (
 class PointedPeak(SpringLaw):
     """The peak of an undeformed member, with a point: P (1 - |d_max - peak_deformation| / w), rising from 0 or later.
 
-    It comes once, like `peak`, and is released along the steeper of its flanks.
+    The two sides may be of different widths. It comes once, like `peak`, and is released along the steeper of its flanks.
     """
 
     name = "pointed_peak"
-    parameters = PLACE
+    parameters = (
+        *PLACE,
+        ParameterSpec("peak_rise", "m", "the same on the near side; 0: as on the far side", lower=0.0, default=0.0),
+    )
 
     @staticmethod
-    def force(d: float, ddot: float, d_max: float, peak_force: float, peak_deformation: float, peak_width: float) -> float:
+    def force(
+        d: float, ddot: float, d_max: float, peak_force: float, peak_deformation: float, peak_width: float, peak_rise: float
+    ) -> float:
         """The force, N, compression positive."""
-        before = min(peak_width, peak_deformation)
+        rise = peak_rise if peak_rise > 0.0 else peak_width
+        before = min(rise, peak_deformation)
         x = max(0.0, d_max) - peak_deformation
         share = 1.0 - max(x / peak_width, -x / before)
-        return peak_force * max(0.0, max(0.0, share) - (d_max - d) / before)
+        return peak_force * max(0.0, max(0.0, share) - (d_max - d) / min(before, peak_width))
 
 
 class BellPeak(SpringLaw):
