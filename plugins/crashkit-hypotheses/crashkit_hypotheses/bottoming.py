@@ -15,7 +15,7 @@ PLAIN = ("line", "parabola", "locking", "line, both ways", "parabola, both ways"
 
 
 class Bottoming(Hypothesis):
-    """F = F_law(d) + k x, + c x^2, + k x / (1 - x / l), or + P (exp(x / l) - 1), with x = max(0, d - e).
+    """F = F_law(d) + k x, + c x^2, + k x / (1 - x / l), + P (exp(x / l) - 1) or + P (x / l)^n, with x = max(0, d - e).
 
     What stiffens is crushed, and unloads with the law, or is a stop beside it that gives back what it took.
     """
@@ -24,8 +24,8 @@ class Bottoming(Hypothesis):
     sentence: ClassVar[str] = "{place} bottoms out: it stiffens sharply at large deformation"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """A line, a parabola, a lock and an exponential at every joint that is compressed, from several engagements, each
-        in the law and beside it."""
+        """A line, a parabola, a lock and an exponential at every joint that is compressed, in its law and beside it, and a
+        power beside it, from several engagements."""
         reached = {joint.name: largest_deformation(motion, joint.name) for joint in model.joints}
         return [
             form
@@ -45,16 +45,23 @@ class Bottoming(Hypothesis):
             "stop_deformation": stop,
             "growth_way": Parameter(0.1 * reached, 0.01 * reached, 2.0 * reached),
         }
+        power = {
+            "force": Parameter(0.0, 0.0, 1e8),
+            "stop_deformation": stop,
+            "exponent": Parameter(1.5, 1.0, 4.0),
+            "way": Parameter(0.3 * reached, fixed=True),
+        }
         stops = (
             ("line", "linear_stop", line, "stiffness"),
             ("parabola", "quadratic_stop", parabola, "coefficient"),
             ("locking", "locking_stop", lock, "stiffness"),
             ("exponential", "exponential_stop", growth, "force"),
         )
+        contact = ("power", "hunt_crossley", power, "force")  # of the rate too, and so it is not crushed with a law
         starts = grid(stop_deformation=[share * reached for share in SHARES])
         crushed = [added(model, joint, self.physics, *stop, starts) for stop in stops]
         elastic = [
             parallel(model, joint, self.physics, f"{form}, both ways", law, own, size, starts)
-            for form, law, own, size in stops
+            for form, law, own, size in (*stops, contact)
         ]
         return [evolve(stop, refined=stop.form not in PLAIN) for stop in (*crushed, *elastic)]

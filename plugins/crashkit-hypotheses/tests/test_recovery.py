@@ -164,6 +164,26 @@ def buckling_suddenly(model):
     return evolve(model, joints=(pointed, *model.joints[1:]))
 
 
+def buckling_slowly(model):
+    """It rises for longer than it falls."""
+    first = model.joints[0]
+    peak = fixed(peak_force=6e4, peak_deformation=0.25, peak_width=0.08, peak_rise=0.2)
+    uneven = evolve(first, law="crush_plateau + pointed_peak", parameters={**first.parameters, **peak})
+    return evolve(model, joints=(uneven, *model.joints[1:]))
+
+
+def stopped(model):
+    """By rubber beside the first joint, which gives back what it took."""
+    stop = fixed(stiffness=1.5e5, stop_deformation=0.5)
+    return with_joint(model, Joint("stop", ("wall", "front"), "linear_stop", stop))
+
+
+def pressed_by_a_ball(model):
+    """After Hertz."""
+    stop = fixed(force=4e4, stop_deformation=0.4, exponent=1.5, loss=0.0, way=0.2)
+    return with_joint(model, Joint("stop", ("wall", "front"), "hunt_crossley", stop))
+
+
 def rubbing(model):
     return with_joint(model, Joint("rub", ("wall", "front"), "coulomb", fixed(friction_force=4e3, slip_rate=0.05)))
 
@@ -368,6 +388,12 @@ CASES = {
         ("peak_load", "pointed", {"joint": "first"}),
         {"peak_deformation": 0.15},
     ),
+    buckling_slowly: (
+        ("peak_load", "uneven", {"joint": "first"}),
+        {"peak_deformation": 0.25, "peak_width": 0.08, "peak_rise": 0.2},
+    ),
+    stopped: (("bottoming", "line, both ways", {"joint": "first"}), {"stiffness": 1.5e5, "stop_deformation": 0.5}),
+    pressed_by_a_ball: (("bottoming", "power, both ways", {"joint": "first"}), {"exponent": 1.5, "stop_deformation": 0.4}),
     rubbing: (("joint_friction", "sharp", {"joint": "first"}), {"friction_force": 4e3}),
     bristling: (
         ("joint_friction", "bristles", {"joint": "first"}),
@@ -420,7 +446,7 @@ CASES = {
     drifting: (("bias", "drift", {"sensor": "rear_sensor"}), {"bias": 2.0, "bias_drift": 30.0}),
 }
 
-LATE = {absorbing, cushioned, belted, pulling, relaxing_twice}
+LATE = {absorbing, cushioned, belted, pulling, relaxing_twice, stopped, pressed_by_a_ball}
 """What acts on the way back."""
 
 

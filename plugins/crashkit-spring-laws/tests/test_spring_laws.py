@@ -318,6 +318,16 @@ def test_a_pointed_peak_has_straight_flanks_from_nothing_on():
     assert value(PointedPeak, 0.1, d_max=0.5, **narrow) == 0.0
 
 
+def test_a_pointed_peak_may_rise_for_longer_than_it_falls():
+    uneven = {"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": 0.02, "peak_rise": 0.08}
+    assert [value(PointedPeak, d, **uneven) for d in (0.02, 0.06, 0.1, 0.11, 0.12)] == pytest.approx(
+        [0.0, 25e3, 5e4, 25e3, 0.0], abs=1e-6
+    )
+    assert value(PointedPeak, 0.09, d_max=0.1, **uneven) == pytest.approx(25e3)  # back along the steeper flank
+    early = {**uneven, "peak_deformation": 0.04}
+    assert value(PointedPeak, 0.02, **early) == pytest.approx(25e3)  # from nothing at 0
+
+
 def test_a_bell_begins_at_nothing():
     shape = {"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": 0.06}
     forces = [value(BellPeak, d, **shape) for d in (0.0, 0.1, 0.16, 1.0)]
