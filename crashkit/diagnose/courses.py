@@ -7,7 +7,7 @@ from attrs import frozen
 
 from crashkit.campaign import spread
 from crashkit.diagnose.contest import propose_all
-from crashkit.diagnose.result import UNKNOWN
+from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.workshop import Workshop
 from crashkit.errors import CrashkitError
 from crashkit.misfit import Misfit
@@ -37,13 +37,32 @@ class Course:
     left: float
 
 
-def outstanding(found: Sequence[Course]) -> Course | None:
-    """The course at the one place that stands out, the least left first; None where two leave about as much.
+@frozen
+class Pointer:
+    """The one place that stands out, and the next best.
+
+    Attributes:
+        first, second: the courses there.
+    """
+
+    first: Course
+    second: Course
+
+    def __str__(self) -> str:
+        first, second = (place_of(one.proposal.location) for one in (self.first, self.second))
+        return (
+            f"the equations of motion point to {first}: a single force there, of another course in each run, would leave "
+            f"{self.first.left / self.second.left:.0%} of what one at {second} would"
+        )
+
+
+def outstanding(found: Sequence[Course]) -> Pointer | None:
+    """The place that stands out, of courses that are sorted by what they leave; None where two leave about as much.
 
     Of places that leave the same, as a body and the only joint that holds it to the ground, the first speaks for all.
     """
     others = [one for one in found[1:] if one.left > (1.0 + SAME) * found[0].left]
-    return found[0] if others and found[0].left < PLAINLY * others[0].left else None
+    return Pointer(found[0], others[0]) if others and found[0].left < PLAINLY * others[0].left else None
 
 
 def courses(workshop: Workshop, given: Misfit) -> list[Course]:

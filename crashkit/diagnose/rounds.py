@@ -6,7 +6,7 @@ from attrs import evolve, field, frozen
 
 from crashkit.diagnose.beginnings import begun_otherwise
 from crashkit.diagnose.contest import Progress
-from crashkit.diagnose.courses import courses, outstanding
+from crashkit.diagnose.courses import Pointer, courses, outstanding
 from crashkit.diagnose.evidence import FLOOR, UNEXPLAINED, Rival, explains, is_sound
 from crashkit.diagnose.exchange import exchanged
 from crashkit.diagnose.forms import in_best_forms
@@ -46,6 +46,7 @@ class Discovery:
         search: that fit.
         rounds: for each finding, the round that it won in the light of all the others.
         last: the round that found nothing more.
+        pointer: to the place of an estimated force, where the equations of motion told it.
     """
 
     base: Misfit
@@ -53,6 +54,7 @@ class Discovery:
     search: Search
     rounds: tuple[Round, ...] = field(default=())
     last: Round | None = None
+    pointer: Pointer | None = None
 
 
 def discovered(workshop: Workshop, given: Misfit, base_search: Search, progress: Progress) -> Discovery:
@@ -99,8 +101,8 @@ def _where_it_acts(workshop: Workshop, given: Misfit, found: Discovery) -> Disco
     claims = [look.rivals[0] for look in found.rounds]
     if not claims or found.search.normalised < UNEXPLAINED or any(is_of_readings(claim.proposal) for claim in claims):
         return found
-    course = outstanding(courses(workshop, given))
-    place = place_of(course.proposal.location) if course else None
+    pointer = outstanding(courses(workshop, given))
+    place = place_of(pointer.first.proposal.location) if pointer else None
     if place in (None, *(place_of(claim.proposal.location) for claim in claims)):
         return found
     look = found.rounds[0]
@@ -111,7 +113,7 @@ def _where_it_acts(workshop: Workshop, given: Misfit, found: Discovery) -> Disco
     first = between(look, [estimate, *others])
     # What the equations say is in no evidence: that is of the recordings, and puts the estimate further down.
     first = evolve(first, probabilities=tuple(sorted(first.probabilities, reverse=True)))
-    return evolve(found, final=estimate.search.fitted(), search=estimate.search, rounds=(first,))
+    return evolve(found, final=estimate.search.fitted(), search=estimate.search, rounds=(first,), pointer=pointer)
 
 
 def _won(base_search: Search, look: Round) -> Discovery:

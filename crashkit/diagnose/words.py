@@ -53,6 +53,7 @@ def noted(discovery: Discovery, result: Identification, fits: Mapping[str, Mappi
     left = fits["calibration"]["after"].normalised_rmse
     if discovery.rounds and left > FLOOR:
         notes.append(f"what was found leaves {left:.2f} times the noise: the form of its law may be another, or there is more")
+    notes += [str(discovery.pointer)] if discovery.rounds and discovery.pointer else []
     notes += of_prediction(fits["holdout"])
     open_levels = sorted({f"{c.instrument}/{c.sensor}" for c in discovery.final.channels if not c.noise.trusted})
     if open_levels:

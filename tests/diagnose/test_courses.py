@@ -49,11 +49,11 @@ def test_no_law_and_no_two_runs_alike_and_yet_the_place_is_told(workshop, given)
     """The joint between the bodies: a force on one of them leaves the other's motion as it is."""
     found = courses(workshop, given("second"))
     assert found[0].left == min(one.left for one in found)
-    assert place_of(outstanding(found).proposal.location) == "joint second"
+    assert place_of(outstanding(found).first.proposal.location) == "joint second"
 
 
 def test_a_force_between_a_body_and_the_ground_is_told_by_the_joint_that_may_carry_it(workshop, given):
-    assert place_of(outstanding(courses(workshop, given("first"))).proposal.location) == "joint first"
+    assert place_of(outstanding(courses(workshop, given("first"))).first.proposal.location) == "joint first"
 
 
 def test_the_models_own_numbers_are_as_they_should_be_beside_the_course(workshop, given):
@@ -90,7 +90,15 @@ def propose(place):
 )
 def test_a_place_stands_out_where_all_others_leave_much_more(left, first):
     found = outstanding([course(place, one) for place, one in left.items()])
-    assert (place_of(found.proposal.location) if found else None) == first
+    assert (place_of(found.first.proposal.location) if found else None) == first
+
+
+def test_a_place_is_told_with_the_next_best():
+    pointer = outstanding([course("a", 100.0), course("same", 100.001), course("b", 400.0)])
+    assert str(pointer) == (
+        "the equations of motion point to joint a: a single force there, of another course in each run, would leave 25% of "
+        "what one at joint b would"
+    )
 
 
 @pytest.mark.parametrize(
@@ -113,4 +121,5 @@ def test_what_leaves_something_elsewhere_gives_way_to_an_estimate_there(workshop
     found = _where_it_acts(workshop, one, Discovery(one, one, search, (look,)))
     assert found.rounds[0].rivals[0].identity == first
     assert found.rounds[0].probabilities[0] == max(found.rounds[0].probabilities) > 0.5
+    assert (found.pointer is not None) is (first[0] == "unknown")
     assert found.search is (estimate if first[0] == "unknown" else search)
