@@ -15,6 +15,7 @@ from crashkit_hypotheses.build import (
     largest_deformation,
     largest_extension,
     largest_rate,
+    multiplied,
     parallel,
     pushing_beside,
 )
@@ -81,7 +82,8 @@ class ViscousDamping(Hypothesis):
 
 
 class JointFriction(Hypothesis):
-    """F = F_law + f sign(ddot), smoothed at low rates or over the length of a bristle, at all times or while compressed."""
+    """F = F_law + f sign(ddot), smoothed at low rates or over the length of a bristle, at all times or while compressed; or
+    F_law (1 + m sign(ddot)), where the joint's own force presses what rubs."""
 
     physics: ClassVar[str] = "joint_friction"
     sentence: ClassVar[str] = "a dry friction force opposes the deformation of {place}"
@@ -119,7 +121,10 @@ class JointFriction(Hypothesis):
         ]
         closed = {**force, **SMOOTH, "always": Parameter(0.0, fixed=True)}
         pushing = pushing_beside(model, joint, self.physics, "smooth, only pushing", "coulomb", closed, "friction_force")
-        return [*beside, *(evolve(form, refined=True, odds=1.0 / len(times)) for form in pushing)]
+        share = {"friction_share": Parameter(0.0, 0.0, 1.0), "slip_rate": Parameter(0.1, 0.01, 1.0)}
+        pressed = multiplied(model, joint, self.physics, "in proportion", "rubbing", share, "friction_share")
+        fine = [*(evolve(form, odds=1.0 / len(times)) for form in pushing), pressed]
+        return [*beside, *(evolve(form, refined=True) for form in fine)]
 
 
 class PeakLoad(Hypothesis):

@@ -188,6 +188,11 @@ def rubbing(model):
     return with_joint(model, Joint("rub", ("wall", "front"), "coulomb", fixed(friction_force=4e3, slip_rate=0.05)))
 
 
+def clamping(model):
+    """The more it is pressed, the more it rubs."""
+    return with_factor(model, "first", "rubbing", fixed(friction_share=0.2, slip_rate=0.05))
+
+
 def bristling(model):
     bristles = fixed(friction_force=5e3, bristle_length=0.04)
     return with_joint(model, Joint("rub", ("wall", "front"), "dahl", bristles))
@@ -395,6 +400,7 @@ CASES = {
     stopped: (("bottoming", "line, both ways", {"joint": "first"}), {"stiffness": 1.5e5, "stop_deformation": 0.5}),
     pressed_by_a_ball: (("bottoming", "power, both ways", {"joint": "first"}), {"exponent": 1.5, "stop_deformation": 0.4}),
     rubbing: (("joint_friction", "sharp", {"joint": "first"}), {"friction_force": 4e3}),
+    clamping: (("joint_friction", "in proportion", {"joint": "first"}), {"friction_share": 0.2}),
     bristling: (
         ("joint_friction", "bristles", {"joint": "first"}),
         {"friction_force": 5e3, "bristle_length": 0.04},
@@ -446,7 +452,7 @@ CASES = {
     drifting: (("bias", "drift", {"sensor": "rear_sensor"}), {"bias": 2.0, "bias_drift": 30.0}),
 }
 
-LATE = {absorbing, cushioned, belted, pulling, relaxing_twice, stopped, pressed_by_a_ball}
+LATE = {absorbing, cushioned, belted, pulling, relaxing_twice, stopped, pressed_by_a_ball, clamping}
 """What acts on the way back."""
 
 

@@ -4,7 +4,7 @@ from crashkit_spring_laws.buckling import BellPeak, Folding, Peak, PointedPeak
 from crashkit_spring_laws.crush_plateau import CrushPlateau
 from crashkit_spring_laws.dampers import Viscous, ViscousPower
 from crashkit_spring_laws.fracture import Brittle, Fracture, Tear
-from crashkit_spring_laws.friction import Coulomb, Dahl
+from crashkit_spring_laws.friction import Coulomb, Dahl, Rubbing
 from crashkit_spring_laws.gradual_loss import (
     Fading,
     PlasticShare,
@@ -46,6 +46,7 @@ SPRING_LAWS = (
     ViscousPower,
     Coulomb,
     Dahl,
+    Rubbing,
     Maxwell,
     QuasiLinear,
     LinearStop,
@@ -105,6 +106,7 @@ __all__ = [
     "RatePower",
     "RateSaturating",
     "RateTable",
+    "Rubbing",
     "SecondLine",
     "SmoothTable",
     "Softening",

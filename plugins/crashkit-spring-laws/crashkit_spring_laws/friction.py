@@ -59,6 +59,25 @@ class Coulomb(SpringLaw):
         return friction_force * share * level * max(always, min(1.0, max(0.0, d - clearance) / engagement))
 
 
+class Rubbing(SpringLaw):
+    """Dry friction that the joint's own force presses: 1 + share tanh(ddot / slip_rate).
+
+    So a sleeve, a clamp or a wrapped belt gives back less than it took: of its force F the share rubs, whatever F is.
+    """
+
+    name = "rubbing"
+    unit = "1"
+    parameters = (
+        ParameterSpec("friction_share", "1", "friction over the joint's force (share)", lower=0.0, upper=1.0, null=0.0),
+        ParameterSpec("slip_rate", "m s-1", "rate at which sliding is established", lower=1e-3, default=0.05, free=False),
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, friction_share: float, slip_rate: float) -> float:
+        """The factor."""
+        return 1.0 + friction_share * math.tanh(ddot / slip_rate)
+
+
 class Dahl(SpringLaw):
     """Dry friction of bristles that bend before they slip (Dahl 1976, doi:10.2514/3.61511).
 

@@ -41,6 +41,7 @@ from crashkit_spring_laws import (
     RateSaturating,
     RateTable,
     ResidualSet,
+    Rubbing,
     SecondLine,
     SmoothTable,
     Softening,
@@ -84,6 +85,7 @@ EXAMPLES = [
     (Coulomb, {"friction_force": 5e3, "slip_rate": 0.5, "tail": 1.0}),
     (Dahl, {"friction_force": 5e3, "bristle_length": 0.02}),
     (Dahl, {"friction_force": 5e3, "bristle_length": 0.05, "always": 0.0}),
+    (Rubbing, {"friction_share": 0.3, "slip_rate": 0.2}),
     (LinearStop, {"stiffness": 1e6, "stop_deformation": 0.3}),
     (CrushStop, {"stiffness": 1e6, "stop_deformation": 0.2, "crush_length": 0.1, "release": 3.0}),
     (ExponentialStop, {"force": 1e4, "stop_deformation": 0.3, "growth_way": 0.1}),
@@ -104,6 +106,7 @@ EXAMPLES = [
     (MeasuredCurve, MEASURED | {"unloading_stiffness": 2e6, "clearance": 0.1}),
     (PointedPeak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": 0.06}),
     (PointedPeak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": 0.2}),
+    (PointedPeak, {"peak_force": 5e4, "peak_deformation": 0.2, "peak_width": 0.05, "peak_rise": 0.15}),
     (BellPeak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": 0.06}),
     (BoucWen, {"stiffness": 1e6, "yield_force": 5e4}),
     (BoucWen, {"stiffness": 1e6, "yield_force": 5e4, "hardening": 0.1, "sharpness": 1.0}),
@@ -293,6 +296,11 @@ def test_friction_may_be_long_in_reaching_its_full_force(rate):
     tailed = value(Coulomb, 0.1, rate, friction_force=100.0, slip_rate=0.2, tail=1.0)
     assert tailed == pytest.approx(200.0 / np.pi * np.arctan(0.5 * np.pi * rate / 0.2))
     assert tailed <= value(Coulomb, 0.1, rate, friction_force=100.0, slip_rate=0.2)
+
+
+def test_what_the_force_itself_presses_rubs_in_proportion_to_it():
+    there, rest, back = (value(Rubbing, 0.1, ddot=rate, friction_share=0.3, slip_rate=0.2) for rate in (5.0, 0.0, -5.0))
+    assert (there, rest, back) == pytest.approx((1.3, 1.0, 0.7))
 
 
 def test_peak_comes_once():
