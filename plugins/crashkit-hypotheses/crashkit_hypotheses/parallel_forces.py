@@ -123,8 +123,7 @@ class JointFriction(Hypothesis):
         pushing = pushing_beside(model, joint, self.physics, "smooth, only pushing", "coulomb", closed, "friction_force")
         share = {"friction_share": Parameter(0.0, 0.0, 1.0), "slip_rate": Parameter(0.1, 0.01, 1.0)}
         pressed = multiplied(model, joint, self.physics, "in proportion", "rubbing", share, "friction_share")
-        fine = [*(evolve(form, odds=1.0 / len(times)) for form in pushing), pressed]
-        return [*beside, *(evolve(form, refined=True) for form in fine)]
+        return [*beside, *(evolve(form, refined=True, odds=1.0 / len(times)) for form in (*pushing, pressed))]
 
 
 class PeakLoad(Hypothesis):
