@@ -1,13 +1,15 @@
 """Numbers in the summary of a diagnosis."""
 
 import math
+from types import SimpleNamespace
 
 import pytest
 import xarray as xr
 
 from crashkit.diagnose.fits import is_misleading
 from crashkit.diagnose.result import Estimate, Fit
-from crashkit.diagnose.words import number, of_prediction
+from crashkit.diagnose.words import noted, number, of_prediction
+from crashkit.protocols import Status
 
 
 @pytest.mark.parametrize(
@@ -56,3 +58,13 @@ def test_what_held_out_runs_speak_against_is_not_believed(before, after, expecte
 
 def test_without_held_out_runs_nothing_is_said_of_prediction():
     assert of_prediction({}) == []
+
+
+@pytest.mark.parametrize(
+    ("rounds", "pointer", "notes"), [(("one",), "there", ["there"]), ((), "there", []), (("one",), None, [])]
+)
+def test_what_pointed_to_a_place_is_noted_with_the_finding_there(rounds, pointer, notes):
+    discovery = SimpleNamespace(rounds=rounds, pointer=pointer, final=SimpleNamespace(channels=()))
+    result = SimpleNamespace(status=Status.CONVERGED, unseen=())
+    fits = {"calibration": {"after": Fit(1.0, xr.Dataset())}, "holdout": {}}
+    assert list(noted(discovery, result, fits)) == notes
