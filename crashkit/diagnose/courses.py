@@ -10,7 +10,7 @@ from crashkit.diagnose.contest import propose_all
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.workshop import Workshop
 from crashkit.errors import CrashkitError
-from crashkit.misfit import Misfit
+from crashkit.misfit import Misfit, SameVariables
 from crashkit.protocols import Problem, Proposal, Status
 
 FORM = "time"
@@ -28,12 +28,10 @@ class Course:
 
     Attributes:
         proposal: the claim of a force of the time there.
-        values: of the model's own numbers beside it, by path.
-        left: chi squared that it leaves of the equations of motion, with what was believed of these numbers.
+        left: chi squared that it leaves of the equations of motion, with what was believed of the model's own numbers.
     """
 
     proposal: Proposal
-    values: dict[str, float]
     left: float
 
 
@@ -94,11 +92,10 @@ def _course(workshop: Workshop, misfit: Misfit, force: Proposal) -> Course | Non
             state = workshop.identifier.step(problem, state)
     except CrashkitError:
         return None
-    values = {name: value for name, value in misfit.values(state.point).items() if name not in force.parameters}
-    return Course(force, values, 2.0 * float(state.cost))
+    return Course(force, 2.0 * float(state.cost))
 
 
-class _Free:
+class _Free(SameVariables):
     """The equations of motion of all runs without what a course of the force in each could explain.
 
     With B the derivatives of the residuals r to the heights of that course, the least of |r - B c| over c is |r - Q Q' r|, and
@@ -107,28 +104,14 @@ class _Free:
     """
 
     def __init__(self, workshop: Workshop, misfit: Misfit, force: Proposal) -> None:
-        self.misfit, self.names = misfit, misfit.names
+        super().__init__(misfit)
+        self._belief = misfit.belief
         self._heights = np.isin(misfit.names, force.parameters)
         self._runs = [_equations(workshop, misfit.with_recordings((run,))) for run in misfit.recordings]
 
-    def start(self) -> np.ndarray:
-        return self.misfit.start()
-
-    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        return self.misfit.bounds()
-
-    def parameters(self, scaled: np.ndarray) -> np.ndarray:
-        return self.misfit.parameters(scaled)
-
-    def scaling(self, scaled: np.ndarray) -> np.ndarray:
-        return self.misfit.scaling(scaled)
-
-    def residual(self, scaled: np.ndarray) -> np.ndarray:
-        return self.residual_and_jacobian(scaled)[0]
-
     def residual_and_jacobian(self, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What is left of all runs, then what was believed of the numbers."""
-        parts = [*(self._left(*run.residual_and_jacobian(scaled)) for run in self._runs), self.misfit.belief(scaled)]
+        parts = [*(self._left(*run.residual_and_jacobian(scaled)) for run in self._runs), self._belief(scaled)]
         residual, jacobian = (np.concatenate(side) for side in zip(*parts, strict=True))
         return residual, jacobian * ~self._heights
 

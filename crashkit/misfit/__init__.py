@@ -4,5 +4,6 @@ from crashkit.misfit.channel import Channel, Group
 from crashkit.misfit.fine_step import fine_step
 from crashkit.misfit.noise import Noise, channel_noise
 from crashkit.misfit.problem import Misfit
+from crashkit.misfit.wrapped import SameVariables
 
-__all__ = ["Channel", "Group", "Misfit", "Noise", "channel_noise", "fine_step"]
+__all__ = ["Channel", "Group", "Misfit", "Noise", "SameVariables", "channel_noise", "fine_step"]

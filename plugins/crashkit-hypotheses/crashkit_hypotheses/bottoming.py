@@ -64,4 +64,7 @@ class Bottoming(Hypothesis):
             parallel(model, joint, self.physics, f"{form}, both ways", law, own, size, starts)
             for form, law, own, size in (*stops, contact)
         ]
-        return [evolve(stop, refined=stop.form not in PLAIN) for stop in (*crushed, *elastic)]
+        # A law that takes nothing more has both beside it.
+        known = [stop.model for stop in crushed]
+        distinct = [*crushed, *(stop for stop in elastic if stop.model not in known)]
+        return [evolve(stop, refined=stop.form not in PLAIN) for stop in distinct]

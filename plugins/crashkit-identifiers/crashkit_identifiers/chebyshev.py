@@ -9,14 +9,13 @@ from attrs import evolve, field, frozen
 
 from crashkit.errors import CrashkitError
 from crashkit.mechanics.state_form import StateForm
-from crashkit.misfit import Misfit
+from crashkit.misfit import Misfit, SameVariables
 from crashkit.protocols import Identification, Identifier, Problem, Status
 from crashkit_identifiers.force_surface import Surface, fitted, interpolated, readings_of
 from crashkit_identifiers.levenberg_marquardt import Limits, Search, advance, begin
 from crashkit_identifiers.measured import known, measured_motions, require_seen
 from crashkit_identifiers.recorded import engine_of, laws_of, require_plain_line, with_recordings
 from crashkit_identifiers.result import Path, conclude
-from crashkit_identifiers.wrapped import SameVariables
 
 FORMS = ("direct", "scattered")
 

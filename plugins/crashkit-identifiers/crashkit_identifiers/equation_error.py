@@ -6,11 +6,10 @@ import numpy as np
 import xarray as xr
 
 from crashkit.mechanics.state_form import StateForm
-from crashkit.misfit import Misfit
+from crashkit.misfit import Misfit, SameVariables
 from crashkit_identifiers.measured import known, unseen, weights
 from crashkit_identifiers.partly_seen import PartlySeen
 from crashkit_identifiers.recorded import engine_of, laws_of
-from crashkit_identifiers.wrapped import SameVariables
 
 
 class EquationError(SameVariables):

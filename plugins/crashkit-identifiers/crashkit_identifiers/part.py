@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from crashkit.misfit import Misfit
+from crashkit.misfit import Misfit, SameVariables
 from crashkit.protocols import Problem
 from crashkit_identifiers.recorded import row_times
-from crashkit_identifiers.wrapped import SameVariables
 
 
 class Part(SameVariables):

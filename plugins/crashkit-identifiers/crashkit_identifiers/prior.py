@@ -5,8 +5,8 @@ import math
 import numpy as np
 
 from crashkit.errors import CrashkitError
+from crashkit.misfit import SameVariables
 from crashkit.protocols import Problem
-from crashkit_identifiers.wrapped import SameVariables
 
 
 class WithPrior(SameVariables):

@@ -6,11 +6,11 @@ import numpy as np
 from attrs import evolve, frozen
 
 from crashkit.errors import SimulationError
+from crashkit.misfit import SameVariables
 from crashkit.protocols import Problem
 from crashkit_identifiers.cost import cost_at, half_square, residual_at
 from crashkit_identifiers.levenberg_marquardt import Search, damped_step, promise
 from crashkit_identifiers.parabola import Parabola
-from crashkit_identifiers.wrapped import SameVariables
 
 TRUSTED = 0.3
 """How far the rise of the misfit at the end of a linear interval may be from what is expected, as a share of it."""

@@ -8,14 +8,13 @@ import numpy as np
 import xarray as xr
 from attrs import evolve, frozen
 
-from crashkit.misfit import Misfit
+from crashkit.misfit import Misfit, SameVariables
 from crashkit.protocols import Identification, Problem, Regression, Status
 from crashkit_identifiers.equation_error import EquationError
 from crashkit_identifiers.levenberg_marquardt import Limits, Search, advance, begin
 from crashkit_identifiers.measured import measured_motions, thinned
 from crashkit_identifiers.recorded import with_recordings
 from crashkit_identifiers.result import Path, conclude
-from crashkit_identifiers.wrapped import SameVariables
 
 FACTORS = (1.0, 0.5, 0.25, 0.125, 2.0)
 FEW = 80
