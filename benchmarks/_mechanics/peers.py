@@ -77,7 +77,7 @@ class Equations:
     def _line(self, net, a, b, face, place, rest, parameters, largest, q, v):  # type: ignore[no-untyped-def]
         side = place[4]
         d, rate = rest - side * (q[b] + place[2] - q[a] - place[0]), -side * (v[b] - v[a])
-        force = side * CrushPlateau.force(d, rate, max(d, largest), *parameters, toe=0.0)
+        force = side * CrushPlateau.force(d, rate, max(d, largest), *parameters, tension_force=np.inf, toe=0.0)
         net[a] -= force
         net[b] += force
         return d, rate
@@ -98,7 +98,7 @@ class Equations:
             nx, ny = dx / length, dy / length
             rate = -(nx * vx + ny * vy)
         d = rest - length
-        force = CrushPlateau.force(d, rate, max(d, largest), *parameters, toe=0.0)
+        force = CrushPlateau.force(d, rate, max(d, largest), *parameters, tension_force=np.inf, toe=0.0)
         fx, fy = force * nx, force * ny
         for i, x, y, sign in ((a, ax, ay, -1.0), (b, bx, by, 1.0)):
             net[i] += sign * fx
