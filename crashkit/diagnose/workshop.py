@@ -42,12 +42,12 @@ class Workshop:
 
     def holds(self, model: Model) -> bool:
         """Whether the engine holds all laws of a model."""
-        return self.engine is not None and functions_of(model, self.laws) <= self.engine.numbers.keys()
+        return self.engine is not None and functions_of(model, self.laws) <= self.engine.codes.keys()
 
     def equipped(self, models: Iterable[Model]) -> "Workshop":
         """The same with an engine that also holds the laws of these models."""
         models = list(models)
-        known = frozenset(self.engine.numbers) if self.engine else frozenset()
+        known = frozenset(self.engine.codes) if self.engine else frozenset()
         functions = known.union(*(functions_of(model, self.laws) for model in models))
         return self if functions == known else evolve(self, engine=compile_engine(functions, len(models[0].axes)))
 

@@ -18,10 +18,10 @@ Numbers = list[Floats]
 
 @frozen(eq=False)
 class _Part:
-    """The law or a factor: its numbers in the engine, and the place of its parameters among those of the joint."""
+    """The law or a factor: where its machine code is, and the place of its parameters among those of the joint."""
 
-    number: int
-    memory_number: int
+    code: int
+    memory_code: int
     place: Integers
 
 
@@ -51,8 +51,8 @@ class JointLaw:
         self._follow = engine.module.follow
         self._parts = [
             _Part(
-                engine.numbers[function],
-                engine.numbers[memory_rate(function)] if function.law.memory else int(NONE),
+                engine.codes[function],
+                engine.codes[memory_rate(function)] if function.law.memory else int(NONE),
                 np.array([self.paths.index(path) for path in paths], dtype=int),
             )
             for function, paths in zip(functions, own, strict=True)
@@ -109,7 +109,7 @@ class JointLaw:
         """The value of one function, and its derivatives."""
         values, slopes = np.zeros(len(times)), np.zeros((len(times), TO_PARAMETERS + len(own)))
         changes = np.zeros((2, slopes.shape[1]))
-        self._follow(part.number, part.memory_number, own, times, states, choose, modes, changes, values, slopes)
+        self._follow(part.code, part.memory_code, own, times, states, choose, modes, changes, values, slopes)
         return values, slopes
 
     def _check(self, states: Floats, finite: np.ndarray) -> None:

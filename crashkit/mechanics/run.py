@@ -149,13 +149,13 @@ def joints_of(layout: Layout) -> Records:
 def _functions(layout: Layout, engine: Engine, memories: int) -> Records:
     functions = np.zeros(layout.offsets.size - 1, FUNCTION)
     own = [function for joint in layout.functions for function in joint]
-    functions["number"] = [engine.numbers[function] for function in own]
+    functions["code"] = [engine.codes[function] for function in own]
     functions["offset"], functions["count"] = layout.offsets[:-1], np.diff(layout.offsets)
     functions["memory"] = -1
     for f, function in enumerate(own):
         if function.law.memory:
             functions["memory"][f] = memories
-            functions["memory_number"][f] = engine.numbers[memory_rate(function)]
+            functions["memory_code"][f] = engine.codes[memory_rate(function)]
             memories += 1
     return functions
 

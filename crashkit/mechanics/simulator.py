@@ -38,7 +38,7 @@ class Simulator:
         self.layout = lay_out(model, laws)
         self._functions = functions_of(model, laws)
         self.engine = compile_engine(self._functions, len(model.axes)) if engine is None else engine
-        missing = self._functions - self.engine.numbers.keys()
+        missing = self._functions - self.engine.codes.keys()
         if missing:
             names = ", ".join(sorted(f"{function.law.name} {function.sizes}" for function in missing))
             raise CrashkitError(f"model {model.name}: expected an engine that holds its functions, found none for {names}")

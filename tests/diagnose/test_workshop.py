@@ -11,7 +11,7 @@ SHARE, LINES = "piecewise_affine % plastic_share", "piecewise_affine / second_li
 
 def test_the_engine_holds_the_laws_of_all_claims_before_any_is_made(workshop):
     """Among them those of a contact, which only bodies that come nearer to each other ask for."""
-    laws = {function.law.name for function in workshop.engine.numbers}
+    laws = {function.law.name for function in workshop.engine.codes}
     assert {"crush_stop", "dahl", "maxwell", "coulomb", "crush_plateau + folding", "viscous_power"} <= laws
 
 
@@ -27,7 +27,7 @@ def laws_of_unloading(workshop, corners):
     unloading = {"plastic_unloading": workshop.hypotheses["plastic_unloading"]}
     engine = evolve(workshop, engine=None, hypotheses=unloading).rehearsed(curved, []).engine
     assert not engine.opaque
-    return {function.law.name for function in engine.numbers}
+    return {function.law.name for function in engine.codes}
 
 
 def test_a_form_for_which_a_long_curve_has_no_room_is_not_asked_for(workshop):

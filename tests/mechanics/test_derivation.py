@@ -175,13 +175,13 @@ REFUSED = [
 @pytest.mark.parametrize(("function", "parameters", "sizes", "message"), REFUSED)
 def test_what_is_outside_the_subset_is_named_with_line_and_remedy(function, parameters, sizes, message):
     with pytest.raises(CrashkitError, match=rf"^spring law tested \(.*test_derivation.py:\d+\): {message}"):
-        emit(LawFunction(law_of(function, *parameters), sizes), "law")
+        emit(LawFunction(law_of(function, *parameters), sizes))
 
 
 def test_the_line_is_the_line_of_the_file():
     line = equality.__code__.co_firstlineno + 1
     with pytest.raises(CrashkitError, match=f"test_derivation.py:{line}"):
-        emit(LawFunction(law_of(equality, "a")), "law")
+        emit(LawFunction(law_of(equality, "a")))
 
 
 def test_a_law_without_source():
@@ -190,7 +190,7 @@ def test_a_law_without_source():
     with pytest.raises(
         CrashkitError, match="spring law tested: its force has no source that can be read .* define it with def"
     ):
-        emit(LawFunction(law_of(written["force"])), "law")
+        emit(LawFunction(law_of(written["force"])))
 
 
 class Indented(SpringLaw):

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from crashkit.mechanics import LawFunction, compile_engine, functions_of
-from crashkit.mechanics.engine import _folder
+from crashkit.mechanics.cache import folder
 
 SCRIPT = """
 from crashkit_spring_laws import TensionSpring
@@ -27,6 +27,12 @@ def test_the_same_functions_give_the_same_engine(laws):
     assert compile_engine(functions) is compile_engine(reversed(functions))
 
 
+def test_engines_for_other_laws_share_a_kernel_and_what_both_hold(laws):
+    one, other = (compile_engine([LawFunction(laws[name]) for name in names]) for names in (("coulomb",), ("coulomb", "dahl")))
+    assert one.module is other.module
+    assert one.codes[LawFunction(laws["coulomb"])] == other.codes[LawFunction(laws["coulomb"])]
+
+
 def test_functions_of_a_model(laws, against_wall, plateau):
     table = {"deformation": [0.1, 0.2], "force": [1.0, 2.0], "rate_coefficient": 0.1}
     model = against_wall("piecewise_affine", table, factors=("rate_linear",))
@@ -39,7 +45,7 @@ def test_the_source_is_the_same_in_every_process():
     script = (
         "from crashkit_spring_laws import CrushPlateau, PiecewiseAffine; from crashkit.mechanics import LawFunction; "
         "from crashkit.mechanics.laws.emit import emit; "
-        "print(emit(LawFunction(CrushPlateau), 'a') + emit(LawFunction(PiecewiseAffine, (5, 5)), 'b'))"
+        "print(emit(LawFunction(CrushPlateau)) + emit(LawFunction(PiecewiseAffine, (5, 5))))"
     )
     sources = {
         subprocess.run(
@@ -62,7 +68,7 @@ def test_processes_side_by_side_share_one_folder_and_later_ones_compile_nothing(
     later = start(tmp_path).communicate()[0].split()
     assert {result[0] for result in (*results, later)} == {results[0][0]}
     assert later[1] == "1"
-    assert len(list(tmp_path.glob("crashkit_engine_*.py"))) == 1
+    assert len(list(tmp_path.glob("crashkit_engine_*.py"))) == len(list(tmp_path.glob("crashkit_law_*.o"))) == 1
     assert not list(tmp_path.glob("*.draft"))
 
 
@@ -70,10 +76,10 @@ def test_a_folder_that_cannot_be_written_is_replaced_by_a_temporary_one(tmp_path
     blocked = tmp_path / "file"
     blocked.write_text("")
     monkeypatch.setenv("CRASHKIT_CACHE", str(blocked))
-    assert _folder() != blocked
-    assert _folder().is_dir()
+    assert folder() != blocked
+    assert folder().is_dir()
 
 
 def test_the_folder_is_the_one_asked_for(tmp_path, monkeypatch):
     monkeypatch.setenv("CRASHKIT_CACHE", str(tmp_path / "new"))
-    assert _folder() == tmp_path / "new"
+    assert folder() == tmp_path / "new"

@@ -228,7 +228,7 @@ REFUSED = [
 @pytest.mark.parametrize(("changes", "message"), REFUSED)
 def test_what_is_wrong_with_branches_of_its_own_is_told(changes, message):
     with pytest.raises(CrashkitError, match=f"spring law own_branches.*{message}"):
-        emit(LawFunction(own(**changes), (2,)), "law")
+        emit(LawFunction(own(**changes), (2,)))
 
 
 def test_pasted_functions_know_their_constants():
@@ -236,4 +236,4 @@ def test_pasted_functions_know_their_constants():
     numbers = np.array([1.0, 0.2, 0.4])
     mode = functions.mode(0.3, 0.0, 0.3, 0.0, numbers, 0)
     assert functions.frozen(mode, 0.3, 0.0, 0.3, 0.0, numbers, 0) == pytest.approx((0.35, 0.1))
-    assert "segment" in emit(LawFunction(OwnBranches, (2,)), "law")
+    assert "segment" in emit(LawFunction(OwnBranches, (2,)))

@@ -9,6 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from crashkit.mechanics import LawFunction, compile_engine
+from crashkit.mechanics.laws.linking import law_distance, law_frozen, law_guard, law_mode, law_partials
 from crashkit.mechanics.laws.plain import plain
 from crashkit.protocols import ParameterSpec, SpringLaw
 from crashkit_spring_laws import SPRING_LAWS
@@ -50,39 +51,29 @@ def engine():
     return compile_engine(FUNCTIONS)
 
 
-@pytest.fixture(scope="module")
-def compiled(engine):
-    """The functions of any law by its number: mode, frozen, distance, partials and guard."""
-    module = engine.module
-    define_laws, law_mode, law_frozen = module.define_laws, module.law_mode, module.law_frozen
-    law_distance, law_partials, law_guard = module.law_distance, module.law_partials, module.law_guard
+@numba.njit
+def mode(code, d, ddot, d_max, z, p):
+    return law_mode(code, d, ddot, d_max, z, p, 0)
 
-    @numba.njit
-    def mode(number, d, ddot, d_max, z, p):
-        define_laws()
-        return law_mode(number, d, ddot, d_max, z, p, 0)
 
-    @numba.njit
-    def frozen(number, bits, d, ddot, d_max, z, p):
-        define_laws()
-        return law_frozen(number, bits, d, ddot, d_max, z, p, 0)
+@numba.njit
+def frozen(code, bits, d, ddot, d_max, z, p):
+    return law_frozen(code, bits, d, ddot, d_max, z, p, 0)
 
-    @numba.njit
-    def distance(number, which, bits, d, ddot, d_max, z, p):
-        define_laws()
-        return law_distance(number, which, bits, d, ddot, d_max, z, p, 0)
 
-    @numba.njit
-    def partials(number, bits, d, ddot, d_max, z, p, out):
-        define_laws()
-        return law_partials(number, bits, d, ddot, d_max, z, p, 0, out)
+@numba.njit
+def distance(code, which, bits, d, ddot, d_max, z, p):
+    return law_distance(code, which, bits, d, ddot, d_max, z, p, 0)
 
-    @numba.njit
-    def guard(number, bits, d, ddot, d_max, z, p, out):
-        define_laws()
-        return law_guard(number, bits, d, ddot, d_max, z, p, 0, out)
 
-    return mode, frozen, distance, partials, guard
+@numba.njit
+def partials(code, bits, d, ddot, d_max, z, p, out):
+    return law_partials(code, bits, d, ddot, d_max, z, p, 0, out)
+
+
+@numba.njit
+def guard(code, bits, d, ddot, d_max, z, p, out):
+    return law_guard(code, bits, d, ddot, d_max, z, p, 0, out)
 
 
 def in_python(written, state, numbers):
@@ -98,7 +89,7 @@ def in_python(written, state, numbers):
 
 @settings(deadline=None, max_examples=300)
 @given(data=st.data())
-def test_every_law_gives_what_its_text_gives_in_python(engine, compiled, data):
+def test_every_law_gives_what_its_text_gives_in_python(engine, data):
     function = data.draw(st.sampled_from(FUNCTIONS), label="function")
     state = [data.draw(st.floats(*limits)) for limits in ((-0.3, 1.0), (-9.0, 9.0), (0.0, 1.0), (-1.0, 1.0))]
     numbers = np.sort(data.draw(st.lists(st.floats(0.01, 2.0), min_size=function.count(), max_size=function.count())))
@@ -107,14 +98,14 @@ def test_every_law_gives_what_its_text_gives_in_python(engine, compiled, data):
     except (ArithmeticError, ValueError, RuntimeWarning):  # compiled code goes on with nan or infinity
         assume(False)
     assume(all(np.isfinite(slope[:-1]).all() for slope in slopes))
-    number, (mode, frozen, distance, *derivatives) = engine.numbers[function], compiled
-    assert mode(number, *state, numbers) == bits
-    assert frozen(number, bits, *state, numbers) == pytest.approx(value, rel=1e-12, abs=1e-12)
-    distances = [distance(number, which, bits, *state, numbers) for which in range(62)]
+    code = engine.codes[function]
+    assert mode(code, *state, numbers) == bits
+    assert frozen(code, bits, *state, numbers) == pytest.approx(value, rel=1e-12, abs=1e-12)
+    distances = [distance(code, which, bits, *state, numbers) for which in range(62)]
     written = [plain(function).distance(which, bits, *state, numbers, 0) for which in range(62)]
     np.testing.assert_allclose(distances, written, rtol=1e-12, atol=1e-12)
     assert min(distances) == pytest.approx(value[1], rel=1e-12, abs=1e-12)
-    for derivative, expected in zip(derivatives, slopes, strict=True):
+    for derivative, expected in zip((partials, guard), slopes, strict=True):
         found = np.zeros(4 + numbers.size)
-        found = np.append(found, derivative(number, bits, *state, numbers, found))
+        found = np.append(found, derivative(code, bits, *state, numbers, found))
         np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12 + 1e-9 * np.abs(expected[:-1]).max())

@@ -24,7 +24,7 @@ from crashkit.mechanics.kernel.line import (
     respond_adjoint,
     to_rotations_adjoint,
 )
-from crashkit.mechanics.kernel.stand_ins import compiled, define_laws, law_partials
+from crashkit.mechanics.kernel.stand_ins import compiled, law_partials
 from crashkit.mechanics.kernel.steps import try_step
 from crashkit.mechanics.kernel.tangents import joint_partials
 
@@ -36,8 +36,8 @@ def memory_adjoint(function, joint, parameters, state, row, wanted, slopes, lam,
     """Carry the adjoint of a memory's rate back; returns its parts for d, ddot and d_max."""
     z, o = function.memory, function.offset
     d_max = joint.d if joint.loading else joint.d_max
-    number, mode = function.memory_number, function.memory_mode
-    law_partials(number, mode, joint.d, joint.ddot, d_max, state[row, z], parameters, o, slopes)
+    code, mode = function.memory_code, function.memory_mode
+    law_partials(code, mode, joint.d, joint.ddot, d_max, state[row, z], parameters, o, slopes)
     lam[z] += wanted * slopes[TO_MEMORY]
     for i in range(function.count):
         parameter_gradient[o + i] += wanted * slopes[TO_PARAMETERS + i]
@@ -268,7 +268,6 @@ def sweep(
         parameter_gradient, joint_gradient, body_gradient: gradients to the laws' parameters; to each joint's largest
             deformation, rest and attachments; to each body's inertia (six entries) and mass.
     """
-    define_laws()
     size, later = state.shape[1] // 2, 0.0
     for back in range(steps):
         s = steps - 1 - back

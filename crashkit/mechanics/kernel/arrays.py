@@ -72,13 +72,13 @@ JOINT = np.dtype(
 )
 FUNCTION = np.dtype(
     [
-        ("number", np.int64),  # in the engine
+        ("code", np.int64),  # address of the table of its functions
         ("mode", np.int64),  # its branches, one bit each
         ("offset", np.int64),  # of its first parameter
         ("count", np.int64),  # of its parameters
         ("value", np.float64),  # when its derivatives were last evaluated
         ("memory", np.int64),  # the entry of the state that is its memory, or -1
-        ("memory_number", np.int64),  # in the engine, of the function that is the rate of its memory
+        ("memory_code", np.int64),  # the same of the function that is the rate of its memory
         ("memory_mode", np.int64),
     ],
     align=True,

@@ -40,11 +40,11 @@ def joint_force(joint, functions, parameters, state, row, d, ddot):
         memory, z = function.memory, 0.0
         if memory >= 0:
             z = state[row, memory]
-            number, mode = function.memory_number, function.memory_mode
-            rate, distance = law_frozen(number, mode, d, ddot, d_max, z, parameters, function.offset)
+            code, mode = function.memory_code, function.memory_mode
+            rate, distance = law_frozen(code, mode, d, ddot, d_max, z, parameters, function.offset)
             state[row, size + memory] = rate
             guard = min(guard, distance)
-        value, distance = law_frozen(function.number, function.mode, d, ddot, d_max, z, parameters, function.offset)
+        value, distance = law_frozen(function.code, function.mode, d, ddot, d_max, z, parameters, function.offset)
         force *= value
         guard = min(guard, distance)
     return force, guard

@@ -46,9 +46,9 @@ def jumping_function(bodies, joint, functions, parameters, state, partials):
         guard = math.inf
         if function.memory >= 0:
             z = state[START, function.memory]
-            guard = law_guard(function.memory_number, function.memory_mode, d, ddot, d_max, z, parameters, o, slopes)
+            guard = law_guard(function.memory_code, function.memory_mode, d, ddot, d_max, z, parameters, o, slopes)
         if guard >= 0.0:
-            guard = min(guard, law_guard(function.number, function.mode, d, ddot, d_max, z, parameters, o, slopes))
+            guard = min(guard, law_guard(function.code, function.mode, d, ddot, d_max, z, parameters, o, slopes))
         if guard < 0.0:
             return f
         if turns and guard < math.inf:

@@ -34,8 +34,8 @@ def guard_of(joint, functions, parameters, state, row, d, ddot, f, which):
     if function.memory >= 0:
         z = state[row, function.memory]
     if which < OF_MEMORY:
-        return law_distance(function.number, which, function.mode, d, ddot, d_max, z, parameters, o)
-    return law_distance(function.memory_number, which - OF_MEMORY, function.memory_mode, d, ddot, d_max, z, parameters, o)
+        return law_distance(function.code, which, function.mode, d, ddot, d_max, z, parameters, o)
+    return law_distance(function.memory_code, which - OF_MEMORY, function.memory_mode, d, ddot, d_max, z, parameters, o)
 
 
 @compiled
@@ -44,8 +44,8 @@ def left_branches(joint, function, parameters, state):
     d_max, z, of_memory, o = joint.d if joint.loading else joint.d_max, 0.0, 0, function.offset
     if function.memory >= 0:
         z = state[END, function.memory]
-        of_memory = law_mode(function.memory_number, joint.d, joint.ddot, d_max, z, parameters, o) ^ function.memory_mode
-    return law_mode(function.number, joint.d, joint.ddot, d_max, z, parameters, o) ^ function.mode, of_memory
+        of_memory = law_mode(function.memory_code, joint.d, joint.ddot, d_max, z, parameters, o) ^ function.memory_mode
+    return law_mode(function.code, joint.d, joint.ddot, d_max, z, parameters, o) ^ function.mode, of_memory
 
 
 @compiled

@@ -19,7 +19,7 @@ from crashkit.mechanics.kernel.history import remember
 from crashkit.mechanics.kernel.jumps import change_branches
 from crashkit.mechanics.kernel.landing import find_step
 from crashkit.mechanics.kernel.line import AXES, CURVED, DOF, locate, settle
-from crashkit.mechanics.kernel.stand_ins import compiled, define_laws, inlined
+from crashkit.mechanics.kernel.stand_ins import compiled, inlined
 from crashkit.mechanics.kernel.steps import RESOLUTION, choose_branches, try_step
 from crashkit.mechanics.kernel.tangents import accelerate_tangent, deformation_tangent, step_tangent
 
@@ -151,7 +151,6 @@ def integrate(
     values, tangents, history,
 ):  # fmt: skip
     """Run from t = 0 through `times`; returns how it ended, the joint concerned, the time and the number of steps."""
-    define_laws()
     t, since, crossings, k, piece, s = 0.0, 0.0, 0, START, START, START
     crossing, ahead, guard, culprit = True, 0.0, math.inf, NONE
     begin(bodies, joints, state, tangent, joint_tangent, net_tangent)

@@ -19,31 +19,21 @@ def unaliased(function):  # type: ignore[no-untyped-def]
     return function
 
 
-def define_laws() -> None:
-    """Put the laws beside the function that calls this: what is called from Python does so first."""
+def law_mode(code: int, d: float, ddot: float, d_max: float, z: float, p: Floats, o: int) -> int:
+    """The branches that the function at `code` takes."""
 
 
-def law_mode(number: int, d: float, ddot: float, d_max: float, z: float, p: Floats, o: int) -> int:
-    """The branches that function `number` takes."""
-
-
-def law_frozen(
-    number: int, mode: int, d: float, ddot: float, d_max: float, z: float, p: Floats, o: int
-) -> tuple[float, float]:
+def law_frozen(code: int, mode: int, d: float, ddot: float, d_max: float, z: float, p: Floats, o: int) -> tuple[float, float]:
     """Value and smallest guard with the branches of `mode`."""
 
 
-def law_distance(
-    number: int, which: int, mode: int, d: float, ddot: float, d_max: float, z: float, p: Floats, o: int
-) -> float:
+def law_distance(code: int, which: int, mode: int, d: float, ddot: float, d_max: float, z: float, p: Floats, o: int) -> float:
     """The guard of branch `which`; infinity where the branches of `mode` do not come by it."""
 
 
-def law_partials(
-    number: int, mode: int, d: float, ddot: float, d_max: float, z: float, p: Floats, o: int, out: Floats
-) -> float:
+def law_partials(code: int, mode: int, d: float, ddot: float, d_max: float, z: float, p: Floats, o: int, out: Floats) -> float:
     """Value, and into `out` its derivatives to d, ddot, d_max, z and the parameters."""
 
 
-def law_guard(number: int, mode: int, d: float, ddot: float, d_max: float, z: float, p: Floats, o: int, out: Floats) -> float:
+def law_guard(code: int, mode: int, d: float, ddot: float, d_max: float, z: float, p: Floats, o: int, out: Floats) -> float:
     """Smallest guard, and into `out` its derivatives, for a function whose value may jump; infinity for the others."""

@@ -65,8 +65,8 @@ def choose_branches_of(bodies, joint, functions, parameters, state, ahead):
         z, o = 0.0, function.offset
         if function.memory >= 0:
             z = state[START, function.memory]
-            function.memory_mode = law_mode(function.memory_number, d, ddot, joint.d_max, z, parameters, o)
-        function.mode = law_mode(function.number, d, ddot, joint.d_max, z, parameters, o)
+            function.memory_mode = law_mode(function.memory_code, d, ddot, joint.d_max, z, parameters, o)
+        function.mode = law_mode(function.code, d, ddot, joint.d_max, z, parameters, o)
 
 
 @compiled

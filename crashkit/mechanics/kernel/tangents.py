@@ -47,8 +47,8 @@ def joint_partials(joint, functions, parameters, partials, state, row):
     for f in range(joint.start, joint.stop):
         function = functions[f]
         z = state[row, function.memory] if function.memory >= 0 else 0.0
-        number, mode, o = function.number, function.mode, function.offset
-        function.value = law_partials(number, mode, joint.d, joint.ddot, d_max, z, parameters, o, partials[f])
+        code, mode, o = function.code, function.mode, function.offset
+        function.value = law_partials(code, mode, joint.d, joint.ddot, d_max, z, parameters, o, partials[f])
     to_d, to_rate, to_d_max, force = 0.0, 0.0, 0.0, 1.0
     for f in range(joint.start, joint.stop):
         force *= functions[f].value
@@ -144,8 +144,8 @@ def memory_tangent(joint, function, parameters, state, columns, tangent, own, sl
     """Derivatives of the rate of a memory."""
     z, o = function.memory, function.offset
     d_max = joint.d if joint.loading else joint.d_max
-    number, mode = function.memory_number, function.memory_mode
-    law_partials(number, mode, joint.d, joint.ddot, d_max, state[row, z], parameters, o, slopes)
+    code, mode = function.memory_code, function.memory_mode
+    law_partials(code, mode, joint.d, joint.ddot, d_max, state[row, z], parameters, o, slopes)
     largest = DEFORMATION if joint.loading else D_MAX
     for c in range(tangent.shape[2]):
         change = slopes[TO_D] * own[DEFORMATION, c] + slopes[TO_RATE] * own[RATE, c]

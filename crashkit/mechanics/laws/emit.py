@@ -22,11 +22,9 @@ from crashkit.mechanics.laws.text import indented, taken, when
 Leaf = Callable[[Return], Iterable[str]]
 Head = Callable[[Branch, bool], Iterable[str]]
 
-DECORATOR = "@scalar"
 
-
-def emit(function: LawFunction, name: str) -> str:
-    """Source of `name_mode`, `name_frozen`, `name_distance`, `name_partials` and, if the law may jump, `name_guard`.
+def emit(function: LawFunction) -> str:
+    """Source of `law_mode`, `law_frozen`, `law_distance`, `law_partials` and, if the law may jump, `law_guard`.
 
     Raises:
         CrashkitError: what a law declares and what its functions take do not agree; names law, line and remedy.
@@ -35,59 +33,59 @@ def emit(function: LawFunction, name: str) -> str:
     if function.law.opaque:
         raise OutsideSubset(f"spring law {function.law.name}: declared opaque")
     if has_own_branches(function):
-        return emit_own(function, name)
+        return emit_own(function)
     program = lower(function)
     parts = [_mode, _frozen, _distance, _partials, *([_guard] if function.law.jumps else [])]
-    return "\n\n".join(part(program, name) for part in parts)
+    return "\n\n".join(part(program) for part in parts)
 
 
 @cache
 def can_be_derived(function: LawFunction) -> bool:
     """Whether branches and sensitivities of a law follow from its source."""
     try:
-        emit(function, "law")
+        emit(function)
     except OutsideSubset:
         return False
     return True
 
 
-def _mode(program: Program, name: str) -> str:
+def _mode(program: Program) -> str:
     def head(branch: Branch, side: bool) -> Iterator[str]:
         if branch.bit is not None and side:
             yield f"mode |= {1 << branch.bit}"
 
     block, _ = tests_of(program.block)
     body = _forward(block, "live", head, lambda leaf: [])
-    return _function(program, f"{name}_mode", "p, o", ["mode = 0", *body, "return mode"])
+    return _function(program, "law_mode", "p, o", ["mode = 0", *body, "return mode"])
 
 
-def _frozen(program: Program, name: str) -> str:
+def _frozen(program: Program) -> str:
     def head(branch: Branch, side: bool) -> Iterator[str]:
         if branch.guard is not None:
             yield f"guard = min(guard, {_guard_of(branch, side)})"
 
     body = _forward(program.block, "frozen", head, lambda leaf: [f"return {ast.unparse(leaf.value)}, guard"])
-    return _function(program, f"{name}_frozen", "p, o", ["guard = math.inf", *body], "mode, ")
+    return _function(program, "law_frozen", "p, o", ["guard = math.inf", *body], "mode, ")
 
 
-def _distance(program: Program, name: str) -> str:
+def _distance(program: Program) -> str:
     def head(branch: Branch, side: bool) -> Iterator[str]:
         if branch.guard is not None:
             yield f"if which == {branch.bit}: distance = {_guard_of(branch, side)}"
 
     block, _ = tests_of(program.block)
     body = _forward(block, "frozen", head, lambda leaf: [])
-    return _function(program, f"{name}_distance", "p, o", ["distance = math.inf", *body, "return distance"], "which, mode, ")
+    return _function(program, "law_distance", "p, o", ["distance = math.inf", *body, "return distance"], "which, mode, ")
 
 
-def _partials(program: Program, name: str) -> str:
+def _partials(program: Program) -> str:
     forward = _forward(program.block, "frozen", lambda branch, side: [], lambda leaf: [f"value = {ast.unparse(leaf.value)}"])
     known: set[str] = set()
     backward = go_back(program.block, known, lambda leaf: leaf.value, lambda branch: None)
-    return _derivatives(program, f"{name}_partials", [*forward, *backward], known, "value")
+    return _derivatives(program, "law_partials", [*forward, *backward], known, "value")
 
 
-def _guard(program: Program, name: str) -> str:
+def _guard(program: Program) -> str:
     def head(branch: Branch, side: bool) -> Iterator[str]:
         if branch.guard is not None:
             yield f"distance = {_guard_of(branch, side)}"
@@ -97,7 +95,7 @@ def _guard(program: Program, name: str) -> str:
     known: set[str] = set()
     forward = ["guard = math.inf", "nearest = -1", *_forward(block, "frozen", head, lambda leaf: [])]
     backward = go_back(block, known, lambda leaf: None, lambda branch: branch.guard)
-    return _derivatives(program, f"{name}_guard", [*forward, *backward], known, "guard")
+    return _derivatives(program, "law_guard", [*forward, *backward], known, "guard")
 
 
 def _guard_of(branch: Branch, side: bool) -> str:
@@ -114,7 +112,7 @@ def _derivatives(program: Program, name: str, body: list[str], known: set[str], 
 def _function(program: Program, name: str, last: str, body: list[str], first: str = "") -> str:
     used = set(re.findall(r"\w+", "\n".join(body)))
     reads = [f"{variable} = p[o + {index}]" for index, variable in enumerate(program.parameters) if variable in used]
-    return "\n".join([DECORATOR, f"def {name}({first}{', '.join(program.state)}, {last}):", *indented([*reads, *body])])
+    return "\n".join([f"def {name}({first}{', '.join(program.state)}, {last}):", *indented([*reads, *body])])
 
 
 def _forward(block: Block, tests: str, head: Head, leaf: Leaf) -> list[str]:

@@ -8,7 +8,7 @@ import llvmlite.binding as llvm
 
 from crashkit.mechanics.laws.source import LawFunction
 
-CALLBACK = ctypes.CFUNCTYPE(ctypes.c_double, *[ctypes.c_double] * 4, ctypes.c_ssize_t)
+CALLBACK = ctypes.CFUNCTYPE(ctypes.c_double, *[ctypes.c_double] * 4, ctypes.c_void_p)
 """(d, ddot, d_max, memory, address of the parameters) -> value."""
 
 
@@ -51,23 +51,16 @@ class Opaque:
             return float("nan")
 
 
-def emit_opaque(function: LawFunction, name: str) -> str:
+def emit_opaque(function: LawFunction) -> str:
     """Source of the functions that the engine calls, around the law as plain Python."""
     state = "d, ddot, d_max, z"
-    lines = [
-        f'{name} = types.ExternalFunction("{_symbol(function)}", types.float64(*[types.float64] * 4, types.intp))',
-        *_function(f"{name}_mode({state}, p, o)", ["return 0"]),
-        *_function(f"{name}_frozen(mode, {state}, p, o)", [f"return {name}({state}, p.ctypes.data + 8 * o), math.inf"]),
-        *_function(f"{name}_distance(which, mode, {state}, p, o)", ["return math.inf"]),
-        *_function(f"{name}_partials(mode, {state}, p, o, out)", ["return math.nan"]),
-    ]
-    if function.law.jumps:
-        lines += _function(f"{name}_guard(mode, {state}, p, o, out)", ["return math.inf"])
-    return "\n".join(lines)
-
-
-def _function(head: str, body: list[str]) -> list[str]:
-    return ["", "", "@jitted", f"def {head}:", *(f"    {line}" for line in body)]
+    lines = {
+        f"law_mode({state}, p, o)": "0",
+        f"law_frozen(mode, {state}, p, o)": f"{_symbol(function)}({state}, p[o:]), math.inf",
+        f"law_distance(which, mode, {state}, p, o)": "math.inf",
+        f"law_partials(mode, {state}, p, o, out)": "math.nan",
+    }
+    return "\n".join(f"def {head}: return {value}" for head, value in lines.items())
 
 
 def _symbol(function: LawFunction) -> str:

@@ -22,7 +22,7 @@ def has_own_branches(function: LawFunction) -> bool:
     return function.part == "force" and any(getattr(function.law, part, None) is not None for part in PARTS)
 
 
-def emit_own(function: LawFunction, name: str) -> str:
+def emit_own(function: LawFunction) -> str:
     """Source of what the engine calls around the author's functions, which are pasted before it.
 
     They tell no guard but the smallest, which stands for each.
@@ -30,24 +30,22 @@ def emit_own(function: LawFunction, name: str) -> str:
     law = function.law
     check_own(law)
     values = ", ".join(["d", "ddot", "d_max", *(["z"] if law.memory else []), *_parameters(function)])
-    pasted = [paste(law.name, getattr(law, part), f"{name}_{part}") for part in PARTS]
-    slopes = [f"{name}_branch_slopes(mode, {values}, out)"]
+    pasted = [paste(law.name, getattr(law, part), f"law_{part}") for part in PARTS]
+    slopes = [f"law_branch_slopes(mode, {values}, out)"]
     if not law.memory:  # what is written without a memory leaves no room for its derivative
         slopes = [
-            f"{name}_branch_slopes(mode, {values}, out[1:])",
+            f"law_branch_slopes(mode, {values}, out[1:])",
             "out[0], out[1], out[2], out[3] = out[1], out[2], out[3], 0.0",
         ]
     return "\n\n".join(
         [
             *pasted,
-            _function(f"{name}_mode(d, ddot, d_max, z, p, o)", [f"return {name}_branch({values})"]),
-            _function(f"{name}_frozen(mode, d, ddot, d_max, z, p, o)", [f"return {name}_branch_force(mode, {values})"]),
+            _function("law_mode(d, ddot, d_max, z, p, o)", [f"return law_branch({values})"]),
+            _function("law_frozen(mode, d, ddot, d_max, z, p, o)", [f"return law_branch_force(mode, {values})"]),
+            _function("law_distance(which, mode, d, ddot, d_max, z, p, o)", [f"return law_branch_force(mode, {values})[1]"]),
             _function(
-                f"{name}_distance(which, mode, d, ddot, d_max, z, p, o)", [f"return {name}_branch_force(mode, {values})[1]"]
-            ),
-            _function(
-                f"{name}_partials(mode, d, ddot, d_max, z, p, o, out)",
-                [*slopes, f"return {name}_branch_force(mode, {values})[0]"],
+                "law_partials(mode, d, ddot, d_max, z, p, o, out)",
+                [*slopes, f"return law_branch_force(mode, {values})[0]"],
             ),
         ]
     )
@@ -75,7 +73,7 @@ def compile_own(function: LawFunction, point: Sequence[float], numbers: np.ndarr
         numbers: of the parameters.
     """
     scope: dict[str, Any] = {"math": math, "np": np, "jitted": numba.njit(error_model="numpy")}
-    exec(compile(emit_own(function, "law"), f"<{function.law.name}>", "exec"), scope)
+    exec(compile(emit_own(function), f"<{function.law.name}>", "exec"), scope)
     try:
         mode = scope["law_mode"](*point, numbers, 0)
         scope["law_frozen"](mode, *point, numbers, 0)

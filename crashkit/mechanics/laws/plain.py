@@ -34,7 +34,7 @@ class Plain:
 @cache
 def plain(function: LawFunction) -> Plain:
     """A law's functions as plain Python; raises CrashkitError where they cannot be had."""
-    scope: dict[str, Any] = {"math": math, "np": np, **dict.fromkeys(("jitted", "scalar"), lambda written: written)}
-    exec(compile(emit(function, "law"), f"<{function.law.name}>", "exec"), scope)
+    scope: dict[str, Any] = {"math": math, "np": np, "jitted": lambda written: written}
+    exec(compile(emit(function), f"<{function.law.name}>", "exec"), scope)
     mode, value, distance, partials = (scope[f"law_{part}"] for part in ("mode", "frozen", "distance", "partials"))
     return Plain(mode, value, distance, partials, scope.get("law_guard"))

@@ -5,15 +5,15 @@ A generated function assigns numbers, chooses by comparisons or by bits of its m
 """
 
 import ast
-import inspect
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from llvmlite import ir
 from numba.core import cgutils
 
-FLOAT, INTEGER = ir.DoubleType(), ir.IntType(64)
+from crashkit.mechanics.laws.linking import FLOAT, INTEGER
+
 INTRINSIC = ("sqrt", "exp", "log", "sin", "cos")
 """Functions that LLVM knows; the others are the C library's."""
 OPERATORS = {
@@ -28,18 +28,16 @@ OPERATORS = {
 COMPARISONS = {ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!="}
 
 
-def translate(module: ir.Module, kind: ir.FunctionType, function: Callable[..., Any]) -> ir.Function:
-    """The function, added to a module, where nobody else sees it.
+def translate(module: ir.Module, kind: ir.FunctionType, definition: ast.FunctionDef) -> None:
+    """Add a function to a module.
 
     Arguments:
         kind: types of its arguments and of what it returns; two values are an array.
+        definition: its text, parsed.
     """
-    definition = ast.parse(inspect.getsource(function)).body[0]
-    assert isinstance(definition, ast.FunctionDef)
-    target = ir.Function(module, kind, module.get_unique_name(function.__name__))
-    target.linkage = "internal"
+    target = ir.Function(module, kind, definition.name)
+    target.attributes.add("nounwind")
     _Translation(target, [argument.arg for argument in definition.args.args]).body(definition.body)
-    return target
 
 
 class _Translation:
@@ -101,6 +99,8 @@ class _Translation:
                 return self.build.load(self.places[name])
             case ast.Attribute(value=ast.Name(id="math"), attr=name):
                 return ir.Constant(FLOAT, getattr(math, name))
+            case ast.Subscript(slice=ast.Slice(lower=ast.expr() as first)):
+                return self.build.gep(self.value(node.value), [self.value(first)])
             case ast.Subscript():
                 return self.build.load(self.address(node))
             case ast.UnaryOp(op=ast.USub(), operand=operand):
@@ -115,6 +115,8 @@ class _Translation:
                 return self.build.select(self.build.fcmp_ordered("<", other, one), other, one)
             case ast.Call(func=ast.Attribute(value=ast.Name(id="math"), attr=name), args=[argument]):
                 return self.call(f"llvm.{name}.f64" if name in INTRINSIC else name, self.value(argument))
+            case ast.Call(func=ast.Name(id=name), args=arguments):
+                return self.call(name, *map(self.value, arguments))
             case _:
                 raise NotImplementedError(ast.unparse(node))
 
@@ -136,7 +138,7 @@ class _Translation:
         return (self.build.fcmp_unordered if sign == "!=" else self.build.fcmp_ordered)(sign, left, right)
 
     def call(self, name: str, *values: Any) -> Any:
-        kind = ir.FunctionType(FLOAT, [FLOAT] * len(values))
+        kind = ir.FunctionType(FLOAT, [value.type for value in values])
         return self.build.call(cgutils.get_or_insert_function(self.build.module, kind, name), values)
 
     def together(self, values: Sequence[Any]) -> Any:

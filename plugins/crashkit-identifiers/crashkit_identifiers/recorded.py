@@ -34,7 +34,7 @@ def engine_of(misfit: Misfit) -> Engine:
 
 def laws_of(misfit: Misfit) -> Laws:
     """The laws and factors of the model, by name."""
-    return {function.law.name: function.law for function in engine_of(misfit).numbers}
+    return {function.law.name: function.law for function in engine_of(misfit).codes}
 
 
 def row_times(misfit: Misfit) -> np.ndarray:
