@@ -23,6 +23,7 @@ Leaf = Callable[[Return], Iterable[str]]
 Head = Callable[[Branch, bool], Iterable[str]]
 
 
+@cache
 def emit(function: LawFunction) -> str:
     """Source of `law_mode`, `law_frozen`, `law_distance`, `law_partials` and, if the law may jump, `law_guard`.
 
