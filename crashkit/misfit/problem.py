@@ -34,6 +34,9 @@ class Prior:
 
 
 NO_PRIOR = Prior({}, math.inf)
+FARTHEST = 10.0
+"""Standard deviations. A model without what it lacks may drive a stiffness to a thousand times what the user believes: its joint
+then rattles, each run takes a hundred times as long, and nothing is learnt."""
 
 
 class Misfit:
@@ -114,11 +117,13 @@ class Misfit:
         return self.scaled(np.array([values.get(n, p.value) for n, p in zip(self.names, self._free, strict=True)]))
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper bounds of the search variables."""
-        return (
-            self.scaled(np.array([parameter.lower for parameter in self._free])),
-            self.scaled(np.array([parameter.upper for parameter in self._free])),
-        )
+        """Lower and upper bounds of the search variables; logarithms stay within `FARTHEST` of what is known beforehand."""
+        lower, upper = (self.scaled(np.array([getattr(one, end) for one in self._free])) for end in ("lower", "upper"))
+        known = [i for i in np.flatnonzero(self._log) if self.names[i] in self.prior.centres]
+        centres = np.log([self.prior.centres[self.names[i]] for i in known])
+        lower[known] = np.maximum(lower[known], centres - FARTHEST * self.prior.std)
+        upper[known] = np.minimum(upper[known], centres + FARTHEST * self.prior.std)
+        return lower, upper
 
     def scaled(self, values: np.ndarray) -> np.ndarray:
         """Search variables: the logarithm of parameters whose lower bound is above 0."""

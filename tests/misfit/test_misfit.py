@@ -260,6 +260,18 @@ def test_what_is_known_beforehand_pulls_by_the_logarithm(misfit, model, recorded
     assert own.with_values({path: 1.3}).prior == own.prior
 
 
+def test_what_is_known_beforehand_is_not_sought_far_away(misfit, model, recorded):
+    path = "joint.first.crush_force"
+    wide = model.with_parameters({path: Parameter(2.0, 1e-3, 1e9), "joint.first.clearance": Parameter(0.01, 0.0, 1.0)})
+    own = misfit(wide, run=recorded(model)).with_prior(0.3)
+    for one in (own, own.with_values({path: 3.0})):
+        lower, upper = (one.values(bound) for bound in one.bounds())
+        assert (lower[path], upper[path]) == pytest.approx((2.0 * np.exp(-3.0), 2.0 * np.exp(3.0)))
+        assert (lower["joint.first.clearance"], upper["joint.first.clearance"]) == (0.0, 1.0)
+    narrow = misfit(model.with_parameters({path: Parameter(2.0, 1.0, 3.0)}), run=recorded(model)).with_prior(0.3)
+    assert [narrow.values(bound)[path] for bound in narrow.bounds()] == pytest.approx([1.0, 3.0])
+
+
 def test_a_number_that_is_not_searched_in_its_logarithm_is_known_relative_to_itself(misfit, model, recorded):
     """Else one that the recordings do not see could go anywhere; of a zero nothing is known."""
     gap, rate = "joint.first.clearance", "joint.first.rate_coefficient"
