@@ -7,7 +7,7 @@ from attrs import evolve
 
 from crashkit.diagnose.evidence import Rival
 from crashkit.diagnose.look import LEAST_DROP, Round
-from crashkit.diagnose.rebuild import rebuild, without_winner
+from crashkit.diagnose.rebuild import alone_again, rebuild
 from crashkit.diagnose.result import place_of
 from crashkit.diagnose.search import Search
 from crashkit.diagnose.workshop import Workshop
@@ -29,7 +29,7 @@ def needed(
     kept = list(rounds)
     for look in rounds:
         others = [one for one in kept if one is not look]
-        base = min(base, without_winner(base, look.rivals[0]), key=lambda search: search.deviance)
+        base = alone_again(base, [look.rivals[0].search.fitted()])
         without = rebuild(workshop, base, [one.rivals[0] for one in others], final)
         if without is not None and without.deviance < final.deviance + _asked(look.rivals[0], others, final.misfit):
             kept, final = others, without

@@ -4,13 +4,20 @@ from collections.abc import Sequence
 
 from crashkit.diagnose.contest import is_same, propose_all
 from crashkit.diagnose.evidence import Rival
-from crashkit.diagnose.search import STEPS, Search, begin
+from crashkit.diagnose.search import STEPS, Search, advance_all, begin, begin_all
 from crashkit.diagnose.workshop import Workshop
+from crashkit.misfit import Misfit
 
 
-def without_winner(search: Search, winner: Rival) -> Search:
-    """The model without the winner from where that has moved its numbers: it may have won by leaving a local optimum."""
-    return begin(search.identifier, search.misfit.with_values_of(winner.search.fitted())).advance(STEPS)
+def alone_again(search: Search, misfits: Sequence[Misfit]) -> Search:
+    """The model as it is, from where claims have moved its own numbers: one may have won by leaving a local optimum.
+
+    Arguments:
+        search: the best fit of the model so far.
+        misfits: of the model with one claim each, at their best fits.
+    """
+    begun = begin_all(search.identifier, [search.misfit.with_values_of(misfit) for misfit in misfits])
+    return min([search, *advance_all(begun, STEPS)], key=lambda one: one.deviance)
 
 
 def rebuild(workshop: Workshop, base_search: Search, rivals: Sequence[Rival], last: Search) -> Search | None:

@@ -15,7 +15,7 @@ from crashkit.diagnose.look import FORM_ERRORS, Round, between, is_of_readings, 
 from crashkit.diagnose.name import CONCEALED, may_conceal
 from crashkit.diagnose.needed import price
 from crashkit.diagnose.pairs import both, named_before_unknown
-from crashkit.diagnose.rebuild import rebuild, without_winner
+from crashkit.diagnose.rebuild import alone_again, rebuild
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.search import Search
 from crashkit.diagnose.settle import settled
@@ -29,6 +29,9 @@ HALF = 0.5
 """Of what the model without it leaves above the noise: a claim that leaves more is not followed before all are asked."""
 NEEDED = 100.0
 """Chi squared that the loss of a finding must cost for it to be plainly needed."""
+LED = 3
+"""How many of the leading claims may show that the model as it is was caught in a local optimum: where it does half as well from
+where one of them has moved its numbers, everything is asked from there."""
 FIFTH = 0.2
 """Of what is left above the noise: a claim that leaves more of it is hardly all there is, in whatever form; and one that
 leaves less by no more than that is hardly another."""
@@ -68,6 +71,9 @@ def discovered(workshop: Workshop, given: Misfit, base_search: Search, progress:
         base_search: its best fit.
     """
     near = look_again(workshop, given, base_search.fitted(), [], progress, quick=True)
+    better = alone_again(base_search, [rival.search.fitted() for rival in near.rivals[:LED]])
+    if better.excess < HALF * base_search.excess:
+        return discovered(workshop, given, better, progress)
     found = None
     if may_conceal(base_search.fitted()):
         near, found = in_time((near, None), _nearby, workshop, given, base_search, near, progress)
@@ -230,7 +236,7 @@ def _first_look(
     look = look_again(workshop, given, base_search.fitted(), [], progress, begun=near)
     if look.winner is None:
         return base_search, look
-    better = without_winner(base_search, look.winner)
+    better = alone_again(base_search, [look.winner.search.fitted()])
     gained = base_search.deviance - better.deviance
     if gained < TIE:
         return base_search, look
