@@ -5,6 +5,7 @@ The tool is given a single rigid vehicle, the compartment's acceleration and the
 variable CRASHKIT_RECORDINGS names (else ../shared/recordings beside the checkout).
 """
 
+import math
 import os
 import tempfile
 import warnings
@@ -44,7 +45,7 @@ def run() -> list[Row]:
         start = perf_counter()
         answer = diagnosed(Path(folder))
         elapsed = perf_counter() - start
-    rows = [*_fit_rows(answer), *_left_out_rows(answer), *_mass_rows(answer), *_engine_rows(answer)]
+    rows = [*fit_rows(answer), *_left_out_rows(answer), *mass_rows(answer), *engine_rows(answer)]
     return [*rows, Row("diagnosis", "time", "s", elapsed, "", None)]
 
 
@@ -61,10 +62,10 @@ def imported(channels: list[str]) -> xr.DataTree:
         return load().importers["nhtsa"]().read(recordings(), channels, CHOICE)
 
 
-def diagnosed(folder: Path) -> Diagnosis:
+def diagnosed(folder: Path, given: Path = GIVEN, seen: list[str] = SEEN, seconds: float = math.inf) -> Diagnosis:
     """The answer, from the model and recording that docs/real-crash.md describes."""
-    write_recording(imported(SEEN), folder / "run.nc")
-    return diagnose_files(GIVEN, [folder / "run.nc"], [], folder / "answer", lambda sentence: None)
+    write_recording(imported(seen), folder / "run.nc")
+    return diagnose_files(given, [folder / "run.nc"], [], folder / "answer", lambda sentence: None, seconds)
 
 
 def engine() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -92,7 +93,8 @@ def compared(recorded: np.ndarray, simulated: np.ndarray) -> Mapping[str, float]
     }
 
 
-def _fit_rows(answer: Diagnosis) -> list[Row]:
+def fit_rows(answer: Diagnosis) -> list[Row]:
+    """What each channel leaves, with what was found and without."""
     before, after = (answer.fits["calibration"][when].channels["relative_rmse"] for when in ("before", "after"))
     return [
         Row(
@@ -115,14 +117,15 @@ def _left_out_rows(answer: Diagnosis) -> list[Row]:
     return [Row(f"{name} {told}", "error", "1", ours[name], "single mass", theirs[name]) for name in ours]
 
 
-def _mass_rows(answer: Diagnosis) -> list[Row]:
+def mass_rows(answer: Diagnosis) -> list[Row]:
+    """The masses of the loads that were found."""
     loads = [body for body in answer.augmented_model.bodies if body.carrier and body.mass is not None]
     return [
         Row(f"{b.name}: mass", "error", "kg", b.mass.value, "revealed by the engine's sensors", 367.0) for b in loads if b.mass
     ]
 
 
-def _engine_rows(answer: Diagnosis) -> list[Row]:
+def engine_rows(answer: Diagnosis) -> list[Row]:
     """The load against the engine; the peer is to take the engine for a part of the compartment."""
     times, top, bottom = engine()
     model = answer.augmented_model

@@ -30,8 +30,8 @@ HALF = 0.5
 NEEDED = 100.0
 """Chi squared that the loss of a finding must cost for it to be plainly needed."""
 LED = 3
-"""How many of the leading claims may show that the model as it is was caught in a local optimum: where it does half as well from
-where one of them has moved its numbers, everything is asked from there."""
+"""How many of the leading claims may show that the model as it is was caught in a local optimum: where it leaves half as much
+from where one of them has moved its numbers, everything is asked from there."""
 FIFTH = 0.2
 """Of what is left above the noise: a claim that leaves more of it is hardly all there is, in whatever form; and one that
 leaves less by no more than that is hardly another."""

@@ -35,8 +35,8 @@ class Prior:
 
 NO_PRIOR = Prior({}, math.inf)
 FARTHEST = 10.0
-"""Standard deviations. A model without what it lacks may drive a stiffness to a thousand times what the user believes: its joint
-then rattles, each run takes a hundred times as long, and nothing is learnt."""
+"""Standard deviations. A model without what it lacks may drive a stiffness to a thousand times what the user believes: its
+joint then rattles, each run takes a hundred times as long, and nothing is learnt."""
 
 
 class Misfit:
