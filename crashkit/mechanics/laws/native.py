@@ -127,7 +127,7 @@ def _host() -> tuple[str, str]:
 def _machine() -> llvm.TargetMachine:
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
+    target = llvm.Target.from_triple(llvm.get_process_triple())
     cpu, features = _host()
-    return llvm.Target.from_triple(llvm.get_process_triple()).create_target_machine(
-        cpu, features, FULLY, reloc="static", codemodel="jitdefault", jit=True
-    )
+    where = "static" if target.name.startswith("x86") else "default"  # as numba places its code
+    return target.create_target_machine(cpu, features, FULLY, reloc=where, codemodel="jitdefault", jit=True)
