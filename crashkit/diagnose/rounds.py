@@ -71,9 +71,10 @@ def discovered(workshop: Workshop, given: Misfit, base_search: Search, progress:
         base_search: its best fit.
     """
     near = look_again(workshop, given, base_search.fitted(), [], progress, quick=True)
-    better = alone_again(base_search, [rival.search.fitted() for rival in near.rivals[:LED]])
-    if better.excess < HALF * base_search.excess:
-        return discovered(workshop, given, better, progress)
+    if base_search.normalised > CONCEALED:
+        better = alone_again(base_search, [rival.search.fitted() for rival in near.rivals[:LED]])
+        if better.excess < HALF * base_search.excess:
+            return discovered(workshop, given, better, progress)
     found = None
     if may_conceal(base_search.fitted()):
         near, found = in_time((near, None), _nearby, workshop, given, base_search, near, progress)
