@@ -204,3 +204,24 @@ def test_a_claim_after_which_nothing_is_left_need_not_explain_as_much_either(off
     """Where plainly something was left before."""
     look, _, _ = offered(damping)
     assert (evolve(look, least=least * abs(look.rivals[0].drop)).winner is not None) == convinces
+
+
+@pytest.mark.parametrize(("leaves", "asked"), [([5.0, 2.0, 1.1, 0.9], 3), ([5.0, 4.9, 1.0], 1), ([0.98, 0.5, 0.4], 1)])
+def test_everything_is_asked_again_from_where_the_model_alone_leaves_half_as_much(monkeypatch, leaves, asked):
+    """But not of a model at the noise, whatever is left of that."""
+    alone = [SimpleNamespace(normalised=one, excess=one**2 - 1.0, fitted=lambda one=one: one) for one in leaves]
+    looked = []
+
+    def look_again(workshop, given, current, *others, **named):
+        looked.append(current)
+        return SimpleNamespace(rivals=())
+
+    monkeypatch.setattr(questioned, "look_again", look_again)
+    monkeypatch.setattr(questioned, "alone_again", lambda search, misfits: alone[alone.index(search) + 1])
+    monkeypatch.setattr(questioned, "may_conceal", lambda misfit: False)
+    monkeypatch.setattr(questioned, "_won", lambda search, look: None)
+    monkeypatch.setattr(questioned, "_widely", lambda workshop, given, search, *others: search)
+    monkeypatch.setattr(questioned, "_where_it_acts", lambda workshop, given, found: found)
+    found = questioned.discovered(None, None, alone[0], silent)
+    assert looked == leaves[:asked]
+    assert found is alone[asked - 1]
