@@ -74,7 +74,7 @@ def discovered(workshop: Workshop, given: Misfit, base_search: Search, progress:
     if base_search.normalised > CONCEALED:
         better = alone_again(base_search, [rival.search.fitted() for rival in near.rivals[:LED]])
         if better.excess < HALF * base_search.excess:
-            return discovered(workshop, given, better, progress)
+            return in_time(_won(base_search, near), discovered, workshop, given, better, progress)
     found = None
     if may_conceal(base_search.fitted()):
         near, found = in_time((near, None), _nearby, workshop, given, base_search, near, progress)

@@ -22,7 +22,7 @@ def kept(name: str) -> bytes | None:
         return None
 
 
-def keep(name: str, content: bytes) -> Path:
+def keep(name: str, content: bytes) -> None:
     """Write a file at once, so that a process running beside this one sees all of it or nothing."""
     path = folder() / name
     handle, draft = tempfile.mkstemp(dir=path.parent, suffix=".draft")
@@ -30,7 +30,6 @@ def keep(name: str, content: bytes) -> Path:
         file.write(content)
     os.utime(draft, (DATED, DATED))
     os.replace(draft, path)
-    return path
 
 
 def module_of(name: str, source: str) -> ModuleType:

@@ -27,8 +27,8 @@ from crashkit.mechanics.laws.linking import law_distance, law_frozen, law_guard,
 from crashkit.mechanics.unaliased import Unaliased
 from numba import njit
 
-how = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
-how["_nrt"] = False  # to count references to arrays took half of a run, and the kernel makes no arrays
+# to count references to arrays (_nrt) took half of a run, and the kernel makes no arrays
+how = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}, "_nrt": False}
 within = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 compiled, inlined = njit(**how, **within), njit(**how, **within, forceinline=True)
 unaliased = njit(**how, **within, forceinline=True, pipeline_class=Unaliased)
