@@ -10,7 +10,7 @@ from crashkit.model import Model, Parameter
 from crashkit.model.edit import with_instrument_error
 from crashkit.protocols import Observer, Proposal
 from crashkit.registry import load
-from crashkit_hypotheses.build import proposal
+from crashkit_hypotheses.build import Effect, proposal
 
 
 @frozen
@@ -68,7 +68,7 @@ def fault(
     for name, parameter in parameters.items():
         model = with_instrument_error(model, one.instrument, one.sensor, name, parameter)
     absent = one.null[amplitude] if null is None else null
-    return proposal(physics, form, one.place, model, one.prefix, parameters, amplitude, starts, absent)
+    return proposal(model, one.place, one.prefix, Effect(physics, form, "", parameters, amplitude, starts, absent))
 
 
 def _of_recording(recording: xr.DataTree, errors: Sequence[str]) -> Iterator[Accused]:

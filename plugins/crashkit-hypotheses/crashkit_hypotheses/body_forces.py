@@ -9,8 +9,9 @@ from attrs import evolve
 
 from crashkit.model import Body, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import forces_recorded, grid, grounded, largest_travel, proposal
+from crashkit_hypotheses.build import Effect, grid, grounded, proposal
 from crashkit_hypotheses.parallel_forces import REFINED, SMOOTH, TAILED, falling
+from crashkit_hypotheses.sizes import forces_recorded, largest_travel
 
 
 class AddedMass(Hypothesis):
@@ -29,8 +30,8 @@ class AddedMass(Hypothesis):
     def _heavier(self, model: Model, body: Body, mass: float) -> Proposal:
         free = Parameter(mass, 0.3 * mass, 3.0 * mass)
         augmented = model.with_parameters({f"body.{body.name}.mass": free})
-        prefix = f"body.{body.name}."
-        return proposal(self.physics, "constant", {"body": body.name}, augmented, prefix, {"mass": free}, "mass", ({},), mass)
+        heavier = Effect(self.physics, "constant", "", {"mass": free}, "mass", null=mass)
+        return proposal(augmented, {"body": body.name}, f"body.{body.name}.", heavier)
 
 
 class GroundFriction(Hypothesis):
@@ -57,8 +58,8 @@ class GroundFriction(Hypothesis):
             REFINED[1]: (constant | TAILED, ({},)),
             "later": (later, grid(clearance=[share * way for share in (0.2, 0.5, 0.8)])),
         }
-        told = [
-            grounded(model, body, self.physics, form, "coulomb", friction, "friction_force", starts)
+        effects = [
+            Effect(self.physics, form, "coulomb", friction, "friction_force", starts)
             for form, (friction, starts) in forms.items()
         ]
-        return [evolve(one, refined=one.form in REFINED) for one in told]
+        return [evolve(grounded(model, body, effect), refined=effect.form in REFINED) for effect in effects]

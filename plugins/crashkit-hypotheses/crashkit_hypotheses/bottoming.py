@@ -8,7 +8,8 @@ from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import added, grid, largest_deformation, parallel
+from crashkit_hypotheses.build import Effect, added, grid, parallel
+from crashkit_hypotheses.sizes import largest_deformation
 
 SHARES = (0.5, 0.7, 0.85, 0.95)
 PLAIN = ("line", "parabola", "locking", "line, both ways", "parabola, both ways")
@@ -51,19 +52,17 @@ class Bottoming(Hypothesis):
             "exponent": Parameter(1.5, 1.0, 4.0),
             "way": Parameter(0.3 * reached, fixed=True),
         }
-        stops = (
-            ("line", "linear_stop", line, "stiffness"),
-            ("parabola", "quadratic_stop", parabola, "coefficient"),
-            ("locking", "locking_stop", lock, "stiffness"),
-            ("exponential", "exponential_stop", growth, "force"),
-        )
-        contact = ("power", "hunt_crossley", power, "force")  # of the rate too, and so it is not crushed with a law
         starts = grid(stop_deformation=[share * reached for share in SHARES])
-        crushed = [added(model, joint, self.physics, *stop, starts) for stop in stops]
-        elastic = [
-            parallel(model, joint, self.physics, f"{form}, both ways", law, own, size, starts)
-            for form, law, own, size in (*stops, contact)
-        ]
+        stops = (
+            Effect(self.physics, "line", "linear_stop", line, "stiffness", starts),
+            Effect(self.physics, "parabola", "quadratic_stop", parabola, "coefficient", starts),
+            Effect(self.physics, "locking", "locking_stop", lock, "stiffness", starts),
+            Effect(self.physics, "exponential", "exponential_stop", growth, "force", starts),
+        )
+        # Of the rate too, and so it is not crushed with a law.
+        contact = Effect(self.physics, "power", "hunt_crossley", power, "force", starts)
+        crushed = [added(model, joint, stop) for stop in stops]
+        elastic = [parallel(model, joint, evolve(stop, form=f"{stop.form}, both ways")) for stop in (*stops, contact)]
         # A law that takes nothing more has both beside it.
         known = [stop.model for stop in crushed]
         distinct = [*crushed, *(stop for stop in elastic if stop.model not in known)]

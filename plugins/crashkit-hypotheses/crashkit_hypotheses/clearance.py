@@ -8,7 +8,8 @@ from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import changed, grid, largest_deformation
+from crashkit_hypotheses.build import Effect, changed, grid
+from crashkit_hypotheses.sizes import largest_deformation
 
 
 class Clearance(Hypothesis):
@@ -26,12 +27,12 @@ class Clearance(Hypothesis):
     def _gap(self, model: Model, joint: Joint, reached: float) -> Proposal:
         gap = {"clearance": Parameter(0.0, 0.0, reached)}
         starts = [{}, *grid(clearance=[share * reached for share in (0.05, 0.2, 0.5)])]
-        return changed(model, joint, self.physics, "gap", gap, "clearance", starts)
+        return changed(model, joint, Effect(self.physics, "gap", joint.law, gap, "clearance", starts))
 
     def _toe(self, model: Model, joint: Joint, reached: float) -> Proposal:
         soft = {"clearance": Parameter(0.0, 0.0, reached), "toe": Parameter(0.0, 0.0, reached)}
         starts = grid(clearance=[share * reached for share in (0.0, 0.05, 0.2)], toe=[0.05 * reached])
-        proposal = changed(model, joint, self.physics, "toe", soft, "clearance", starts)
+        proposal = changed(model, joint, Effect(self.physics, "toe", joint.law, soft, "clearance", starts))
         return evolve(proposal, null=dict.fromkeys(proposal.parameters, 0.0))
 
 

@@ -8,15 +8,8 @@ from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import (
-    grid,
-    largest_deformation,
-    largest_extension,
-    largest_rate,
-    multiplied,
-    pulls,
-    sampling_interval,
-)
+from crashkit_hypotheses.build import Effect, grid, multiplied
+from crashkit_hypotheses.sizes import largest_deformation, largest_extension, largest_rate, pulls, sampling_interval
 
 LOSS = Parameter(0.0, 0.0, 1.0)
 SHARES = (0.02, 0.15, 0.35, 0.6, 0.8)
@@ -63,8 +56,8 @@ class Fracture(Hypothesis):
         starts = grid(softening_deformation=[share * reached for share in SHARES])
         ways = grid(step_way=[share * reached for share in STEPS], softening_deformation=[s * reached for s in FIRST])
         steps = [{"loss": 0.2, "second_loss": 0.2, "softening_length": 0.05 * reached} | way for way in ways]
-        once = multiplied(model, joint, self.physics, "compression", "softening", softening, "loss", starts)
-        twice = multiplied(model, joint, self.physics, "in two steps", "stepwise_softening", stepwise, "loss", steps)
+        once = multiplied(model, joint, Effect(self.physics, "compression", "softening", softening, "loss", starts))
+        twice = multiplied(model, joint, Effect(self.physics, "in two steps", "stepwise_softening", stepwise, "loss", steps))
         nothing = {path: 0.0 for path in twice.parameters if path.endswith("loss")}
         return [once, evolve(twice, null=nothing, refined=True)]
 
@@ -75,4 +68,4 @@ class Fracture(Hypothesis):
             "duration": Parameter(5e-4, fixed=True),
         }
         starts = grid(tear_extension=[share * reached for share in (0.3, 0.7)])
-        return multiplied(model, joint, self.physics, "tear", "tear", tear, "loss", starts)
+        return multiplied(model, joint, Effect(self.physics, "tear", "tear", tear, "loss", starts))

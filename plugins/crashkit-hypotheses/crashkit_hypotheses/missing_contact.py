@@ -1,6 +1,6 @@
 """Two bodies touch that the model does not join."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -9,7 +9,8 @@ from attrs import evolve
 
 from crashkit.model import Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import approaching, between, grid
+from crashkit_hypotheses.build import Effect, between, grid
+from crashkit_hypotheses.sizes import approaching
 
 LINE = (0.1, 0.4, 0.6, 0.8, 0.93)
 """Gaps to start from, relative to the approach."""
@@ -41,6 +42,7 @@ class MissingContact(Hypothesis):
         ]
 
     def _forms(self, model: Model, pair: tuple[str, str], reached: float) -> list[Proposal]:
+        gap = {"stop_deformation": Parameter(0.5 * reached, 0.0, reached)}
         line = {"stiffness": Parameter(0.0, 0.0, 1e10)}
         parabola = {"coefficient": Parameter(0.0, 0.0, 1e12)}
         crushed = {
@@ -54,13 +56,15 @@ class MissingContact(Hypothesis):
             "loss": Parameter(LOSS, 0.0, 10.0),
             "way": Parameter(0.1 * reached, fixed=True),
         }
-        forms: list[tuple[str, str, dict[str, Parameter], dict[str, tuple[float, ...]]]] = [
-            ("line", "linear_stop", line, {"stop_deformation": LINE}),
-            ("parabola", "quadratic_stop", parabola, {"stop_deformation": STIFFENING}),
-            ("damped", "hunt_crossley", damped, {"stop_deformation": STIFFENING}),
-            ("crushed", "crush_stop", crushed, {"stop_deformation": CRUSHED, "crush_length": LENGTHS}),
-        ]
-        return [self._contact(model, pair, reached, *form) for form in forms]
+        engaging, stiffening = _starts(reached, stop_deformation=LINE), _starts(reached, stop_deformation=STIFFENING)
+        crushing = _starts(reached, stop_deformation=CRUSHED, crush_length=LENGTHS)
+        effects = (
+            Effect(self.physics, "line", "linear_stop", line | gap, "stiffness", engaging),
+            Effect(self.physics, "parabola", "quadratic_stop", parabola | gap, "coefficient", stiffening),
+            Effect(self.physics, "damped", "hunt_crossley", damped | gap, "force", stiffening),
+            Effect(self.physics, "crushed", "crush_stop", crushed | gap, "stiffness", crushing),
+        )
+        return [between(model, pair, effect) for effect in effects]
 
     def _member(self, model: Model, pair: tuple[str, str], reached: float, force: float) -> Proposal:
         """A whole member between the two, as a model's own are: elastic, a plateau, densification, behind a gap.
@@ -78,19 +82,10 @@ class MissingContact(Hypothesis):
             "clearance": Parameter(0.3 * reached, 0.0, reached),
         }
         gaps = grid(clearance=[share * reached for share in LINE[:4]], crush_force=[0.1 * force, 0.4 * force])
-        own = between(model, pair, self.physics, "member", "crush_plateau", member, "crush_force", gaps, null=None)
-        return evolve(own, refined=True)
+        effect = Effect(self.physics, "member", "crush_plateau", member, "crush_force", gaps, null=None)
+        return evolve(between(model, pair, effect), refined=True)
 
-    def _contact(
-        self,
-        model: Model,
-        pair: tuple[str, str],
-        reached: float,
-        form: str,
-        law: str,
-        own: Mapping[str, Parameter],
-        shares: Mapping[str, tuple[float, ...]],
-    ) -> Proposal:
-        parameters = {**own, "stop_deformation": Parameter(0.5 * reached, 0.0, reached)}
-        starts = grid(**{length: [share * reached for share in each] for length, each in shares.items()})
-        return between(model, pair, self.physics, form, law, parameters, next(iter(own)), starts)
+
+def _starts(reached: float, **shares: Sequence[float]) -> list[dict[str, float]]:
+    """Every combination of lengths that are shares of the approach."""
+    return grid(**{length: [share * reached for share in each] for length, each in shares.items()})

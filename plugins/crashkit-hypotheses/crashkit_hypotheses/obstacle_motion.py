@@ -9,7 +9,8 @@ from attrs import evolve
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.model.edit import fresh_name
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import grid, largest_force, plane_inertia
+from crashkit_hypotheses.build import grid, plane_inertia
+from crashkit_hypotheses.sizes import largest_force
 
 LIGHT, HEAVY = 0.05, 1e3
 """Masses that an obstacle may have, in masses of what runs into it: a wall of a hundred still leaves a trace."""

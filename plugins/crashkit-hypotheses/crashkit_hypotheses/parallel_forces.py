@@ -9,16 +9,8 @@ from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import (
-    added,
-    grid,
-    largest_deformation,
-    largest_extension,
-    largest_rate,
-    multiplied,
-    parallel,
-    pushing_beside,
-)
+from crashkit_hypotheses.build import Effect, added, grid, multiplied, parallel, pushing_beside
+from crashkit_hypotheses.sizes import largest_deformation, largest_extension, largest_rate
 
 BEFORE = 1.6
 """Times the deformation at which the plateau begins: a peak beyond that is none before the plateau."""
@@ -61,23 +53,15 @@ class ViscousDamping(Hypothesis):
 
     def _forms(self, model: Model, joint: Joint) -> list[Proposal]:
         damping = {"damping": Parameter(0.0, 0.0, 1e7)}
-        always = {"tension": Parameter(1.0, fixed=True)}
-        power = {**damping, "exponent": Parameter(0.7, 0.2, 3.0)}
-        two_way = {**damping, "exponent": Parameter(1.0, fixed=True), "rebound": Parameter(1.0, 0.0, 10.0)}
-        powers, rebounds = grid(exponent=(0.6, 2.0)), grid(rebound=(0.4, 2.5))
-        plain = [
-            parallel(model, joint, self.physics, "linear", "viscous", damping, "damping"),
-            parallel(model, joint, self.physics, "power", "viscous_power", power, "damping", powers),
-            parallel(model, joint, self.physics, "power, always", "viscous_power", power | always, "damping", powers),
-        ]
-        fine = [
-            parallel(model, joint, self.physics, "two-way", "viscous_power", two_way, "damping", rebounds),
-            parallel(model, joint, self.physics, "two-way, always", "viscous_power", two_way | always, "damping", rebounds),
-        ]
-        pushing = [
-            *pushing_beside(model, joint, self.physics, "linear, only pushing", "viscous", damping, "damping"),
-            *pushing_beside(model, joint, self.physics, "power, only pushing", "viscous_power", power, "damping", powers),
-        ]
+        exponent = {**damping, "exponent": Parameter(0.7, 0.2, 3.0)}
+        rebound = {**damping, "exponent": Parameter(1.0, fixed=True), "rebound": Parameter(1.0, 0.0, 10.0)}
+        linear = Effect(self.physics, "linear", "viscous", damping, "damping")
+        power = Effect(self.physics, "power", "viscous_power", exponent, "damping", grid(exponent=(0.6, 2.0)))
+        two_way = Effect(self.physics, "two-way", "viscous_power", rebound, "damping", grid(rebound=(0.4, 2.5)))
+        plain = [parallel(model, joint, effect) for effect in (linear, power, _always(power))]
+        fine = [parallel(model, joint, effect) for effect in (two_way, _always(two_way))]
+        only = [evolve(effect, form=f"{effect.form}, only pushing") for effect in (linear, power)]
+        pushing = [form for effect in only for form in pushing_beside(model, joint, effect)]
         return [*plain, *pushing[:1], *(evolve(form, refined=True) for form in (*fine, *pushing[1:]))]
 
 
@@ -105,25 +89,20 @@ class JointFriction(Hypothesis):
             REFINED[1]: ("coulomb", force | TAILED),
             "bristles": ("dahl", {**force, "bristle_length": length}),
         }
-        times = {"": 1.0, ", while compressed": 0.0} if largest_extension(motion, joint.name) > 0.0 else {"": 1.0}
+        always, closed = ({"always": Parameter(flag, fixed=True)} for flag in (1.0, 0.0))
+        times = {"": always, ", while compressed": closed} if largest_extension(motion, joint.name) > 0.0 else {"": always}
         told = [
-            (form, f"{form}{when}", law, {**parameters, "always": Parameter(always, fixed=True)})
-            for form, (law, parameters) in laws.items()
-            for when, always in times.items()
+            (form, Effect(self.physics, f"{form}{when}", law, {**numbers, **during}, "friction_force"))
+            for form, (law, numbers) in laws.items()
+            for when, during in times.items()
         ]
-        beside = [
-            evolve(
-                parallel(model, joint, self.physics, name, law, parameters, "friction_force"),
-                refined=form in REFINED,
-                odds=1.0 / len(times),
-            )
-            for form, name, law, parameters in told
-        ]
-        closed = {**force, **SMOOTH, "always": Parameter(0.0, fixed=True)}
-        pushing = pushing_beside(model, joint, self.physics, "smooth, only pushing", "coulomb", closed, "friction_force")
+        odds = 1.0 / len(times)
+        beside = [evolve(parallel(model, joint, effect), refined=form in REFINED, odds=odds) for form, effect in told]
+        pushing = Effect(self.physics, "smooth, only pushing", "coulomb", force | SMOOTH | closed, "friction_force")
         share = {"friction_share": Parameter(0.0, 0.0, 1.0), "slip_rate": Parameter(0.1, 0.01, 1.0)}
-        pressed = multiplied(model, joint, self.physics, "in proportion", "rubbing", share, "friction_share")
-        return [*beside, *(evolve(form, refined=True, odds=1.0 / len(times)) for form in (*pushing, pressed))]
+        pressed = Effect(self.physics, "in proportion", "rubbing", share, "friction_share")
+        fine = [*pushing_beside(model, joint, pushing), multiplied(model, joint, pressed)]
+        return [*beside, *(evolve(form, refined=True, odds=odds) for form in fine)]
 
 
 class PeakLoad(Hypothesis):
@@ -153,11 +132,11 @@ class PeakLoad(Hypothesis):
         starts = grid(peak_deformation=(0.08 * reached, 0.2 * reached))
         narrow_starts = grid(peak_deformation=(0.7 * plateau, plateau, 1.4 * plateau))
         shapes = (("pointed", "pointed_peak", flanked), ("uneven", "pointed_peak", uneven), ("bell", "bell_peak", flanked))
-        fine = [added(model, joint, self.physics, form, law, own, "peak_force", narrow_starts) for form, law, own in shapes]
+        fine = [Effect(self.physics, form, law, own, "peak_force", narrow_starts) for form, law, own in shapes]
         return [
-            added(model, joint, self.physics, "bump", "peak", peak, "peak_force", starts),
-            added(model, joint, self.physics, "narrow", "peak", narrow, "peak_force", narrow_starts),
-            *(evolve(one, refined=True) for one in fine),
+            added(model, joint, Effect(self.physics, "bump", "peak", peak, "peak_force", starts)),
+            added(model, joint, Effect(self.physics, "narrow", "peak", narrow, "peak_force", narrow_starts)),
+            *(evolve(added(model, joint, effect), refined=True) for effect in fine),
         ]
 
 
@@ -191,8 +170,8 @@ class ProgressiveFolding(Hypothesis):
         starts = [{"fold_length": one, "onset": max(0.0, begin + phase * one)} for phase in PHASES for one in lengths]
         of_one_phase = [start for start in starts[: len(lengths)] if start["fold_length"] < LONGEST_SHAPED * reached]
         return [
-            added(model, joint, self.physics, "sine", "folding", folds, "amplitude", starts),
-            added(model, joint, self.physics, "shaped", "folding", shaped, "amplitude", of_one_phase),
+            added(model, joint, Effect(self.physics, "sine", "folding", folds, "amplitude", starts)),
+            added(model, joint, Effect(self.physics, "shaped", "folding", shaped, "amplitude", of_one_phase)),
         ]
 
 
@@ -205,6 +184,12 @@ def falling(fastest: float) -> dict[str, Parameter]:
         "stick": Parameter(0.3, -0.9, 9.0),
         "stick_rate": Parameter(0.2 * fastest, 0.02 * fastest, 2.0 * fastest),
     }
+
+
+def _always(damping: Effect) -> Effect:
+    """The same at all times."""
+    parameters = {**damping.parameters, "tension": Parameter(1.0, fixed=True)}
+    return evolve(damping, form=f"{damping.form}, always", parameters=parameters)
 
 
 def _used(model: Model, motion: Sequence[xr.Dataset]) -> list[Joint]:

@@ -9,7 +9,8 @@ from attrs import evolve
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit.registry import load
-from crashkit_hypotheses.build import changed, grid, largest_deformation, largest_force, multiplied
+from crashkit_hypotheses.build import Effect, changed, grid, multiplied
+from crashkit_hypotheses.sizes import largest_deformation, largest_force
 
 LEVEL = Parameter(1.0, fixed=True)
 """N/m, a slope so small that the joint keeps its largest force on the way back, for a factor to lessen."""
@@ -36,53 +37,40 @@ class PlasticUnloading(Hypothesis):
     def _line(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> Proposal:
         slope, secant = _slope(joint, motion)
         starts = grid(unloading_stiffness=(2.0 * secant, 6.0 * secant, 30.0 * secant))
-        return changed(model, joint, self.physics, "line", slope, "unloading_stiffness", starts, null=None)
+        line = Effect(self.physics, "line", joint.law, slope, "unloading_stiffness", starts, null=None)
+        return changed(model, joint, line)
 
     def _line_of_a_share(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> Proposal | None:
         slope, secant = _slope(joint, motion)
-        starts = grid(plastic_share=(0.3,), unloading_stiffness=(3.0 * secant, 15.0 * secant))
-        return self._of_a_share(model, joint, joint.law, "line of a share", slope, starts)
+        starts = grid(unloading_stiffness=(3.0 * secant, 15.0 * secant))
+        return _of_a_share(model, joint, Effect(self.physics, "line", joint.law, slope, "unloading_stiffness", starts))
 
     def _fading(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> Proposal:
         length, starts = _length(joint, motion)
         fading = {"loss": SHARE, **length}
-        return multiplied(model, joint, self.physics, "fading", "unloading_loss", fading, "loss", starts)
+        return multiplied(model, joint, Effect(self.physics, "fading", "unloading_loss", fading, "loss", starts))
 
     def _fading_of_a_share(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> Proposal | None:
         length, starts = _length(joint, motion)
-        numbers = {"unloading_stiffness": LEVEL, "loss": WHOLE, **length}
-        shares = [{"plastic_share": 0.3, **start} for start in starts]
-        return self._of_a_share(model, joint, f"{joint.law} * unloading_loss", "fading of a share", numbers, shares)
+        fading = {"unloading_stiffness": LEVEL, "loss": WHOLE, **length}
+        law = f"{joint.law} * unloading_loss"
+        return _of_a_share(model, joint, Effect(self.physics, "fading", law, fading, "loss", starts))
 
     def _two_lines(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> Proposal | None:
-        law, numbers, starts = _turning(joint, motion)
-        if law not in load().spring_laws:
-            return None
-        turning = evolve(joint, law=law)
-        told = changed(model, turning, self.physics, "two lines", numbers, "unloading_stiffness", starts, null=None)
-        return evolve(told, refined=True)
+        turning = self._turning(joint, motion)
+        return evolve(changed(model, joint, turning), refined=True) if turning.law in load().spring_laws else None
 
     def _two_lines_of_a_share(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> Proposal | None:
-        law, numbers, starts = _turning(joint, motion)
-        shares = [{"plastic_share": 0.3, **start} for start in starts]
-        told = self._of_a_share(model, joint, law, "two lines of a share", numbers, shares)
+        told = _of_a_share(model, joint, self._turning(joint, motion))
         return None if told is None else evolve(told, refined=True)
 
-    def _of_a_share(
-        self,
-        model: Model,
-        joint: Joint,
-        law: str,
-        form: str,
-        numbers: dict[str, Parameter],
-        starts: list[dict[str, float]],
-    ) -> Proposal | None:
-        """A law for a share of the joint, where the two fit together."""
-        name = f"{law} % plastic_share"
-        if name not in load().spring_laws:
-            return None
-        numbers = {"plastic_share": SHARE, **numbers}
-        return changed(model, evolve(joint, law=name), self.physics, form, numbers, "plastic_share", starts)
+    def _turning(self, joint: Joint, motion: Sequence[xr.Dataset]) -> Effect:
+        """Unloading along two lines."""
+        slope, secant = _slope(joint, motion)
+        lines = {**slope, "turning_share": Parameter(0.5, 0.05, 0.95), "slope_ratio": Parameter(0.3, 0.01, 1.0)}
+        starts = grid(unloading_stiffness=(6.0 * secant, 30.0 * secant), slope_ratio=(0.3,))
+        law = f"{joint.law} / second_line"
+        return Effect(self.physics, "two lines", law, lines, "unloading_stiffness", starts, null=None)
 
     def _set(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> Proposal:
         level = evolve(joint, parameters={**joint.parameters, "unloading_stiffness": LEVEL})
@@ -93,21 +81,24 @@ class PlasticUnloading(Hypothesis):
             "loss": WHOLE,
         }
         starts = grid(residual_share=(0.2, 0.5, 0.8))
-        one = multiplied(unloading, level, self.physics, "set", "residual_set", back, "residual_share", starts)
-        return evolve(one, null={})
+        residual = Effect(self.physics, "set", "residual_set", back, "residual_share", starts, null=None)
+        return multiplied(unloading, level, residual)
+
+
+def _of_a_share(model: Model, joint: Joint, unloading: Effect) -> Proposal | None:
+    """The same for a share of the joint, where the law has such a form."""
+    law = f"{unloading.law} % plastic_share"
+    if law not in load().spring_laws:
+        return None
+    form, numbers = f"{unloading.form} of a share", {"plastic_share": SHARE, **unloading.parameters}
+    starts = [{"plastic_share": 0.3, **start} for start in unloading.starts]
+    return changed(model, joint, Effect(unloading.physics, form, law, numbers, "plastic_share", starts))
 
 
 def _slope(joint: Joint, motion: Sequence[xr.Dataset]) -> tuple[dict[str, Parameter], float]:
     """How steeply it unloads, and the secant of its loading, N/m."""
     secant = max(largest_force(motion, joint.name) / largest_deformation(motion, joint.name), 1e3)
     return {"unloading_stiffness": Parameter(3.0 * secant, 0.1 * secant, 1e3 * secant)}, secant
-
-
-def _turning(joint: Joint, motion: Sequence[xr.Dataset]) -> tuple[str, dict[str, Parameter], list[dict[str, float]]]:
-    """A law that unloads along two lines, its numbers, and where to begin."""
-    slope, secant = _slope(joint, motion)
-    numbers = {**slope, "turning_share": Parameter(0.5, 0.05, 0.95), "slope_ratio": Parameter(0.3, 0.01, 1.0)}
-    return f"{joint.law} / second_line", numbers, grid(unloading_stiffness=(6.0 * secant, 30.0 * secant), slope_ratio=(0.3,))
 
 
 def _length(joint: Joint, motion: Sequence[xr.Dataset]) -> tuple[dict[str, Parameter], list[dict[str, float]]]:

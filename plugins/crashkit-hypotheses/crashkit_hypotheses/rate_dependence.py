@@ -8,7 +8,7 @@ from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import grid, multiplied
+from crashkit_hypotheses.build import Effect, grid, multiplied
 
 LINEAR = {"rate_slope": Parameter(0.0, 0.0, 1.0)}
 POWER = {"rate_amplitude": Parameter(0.0, 0.0, 10.0), "rate_exponent": Parameter(0.3, 0.05, 2.0)}
@@ -31,14 +31,18 @@ class RateDependence(Hypothesis):
 
     def _forms(self, model: Model, joint: Joint) -> list[Proposal]:
         powers = grid(rate_exponent=(0.2, 0.6))
-        eyring = multiplied(model, joint, self.physics, "both ways", "rate_eyring", LOGARITHM, "rate_amplitude")
-        saturating = multiplied(model, joint, self.physics, "to a limit", "rate_saturating", LOGARITHM, "rate_amplitude")
+        plain = (
+            Effect(self.physics, "linear", "rate_linear", LINEAR, "rate_slope"),
+            Effect(self.physics, "power", "rate_power", POWER, "rate_amplitude", powers),
+            Effect(self.physics, "logarithm", "rate_logarithm", LOGARITHM, "rate_amplitude"),
+        )
+        fine = (
+            Effect(self.physics, "to a limit", "rate_saturating", LOGARITHM, "rate_amplitude"),
+            Effect(self.physics, "both ways", "rate_eyring", LOGARITHM, "rate_amplitude"),
+        )
         return [
-            multiplied(model, joint, self.physics, "linear", "rate_linear", LINEAR, "rate_slope"),
-            multiplied(model, joint, self.physics, "power", "rate_power", POWER, "rate_amplitude", powers),
-            multiplied(model, joint, self.physics, "logarithm", "rate_logarithm", LOGARITHM, "rate_amplitude"),
-            evolve(saturating, refined=True),
-            evolve(eyring, refined=True),
+            *(multiplied(model, joint, effect) for effect in plain),
+            *(evolve(multiplied(model, joint, effect), refined=True) for effect in fine),
         ]
 
 

@@ -1,6 +1,6 @@
 """Viscoelastic memory: part of a joint's force decays with time."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import ClassVar
 
 import xarray as xr
@@ -9,7 +9,8 @@ from attrs import evolve
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit.registry import load
-from crashkit_hypotheses.build import changed, grid, largest_deformation, largest_force, multiplied, parallel
+from crashkit_hypotheses.build import Effect, changed, grid, multiplied, parallel
+from crashkit_hypotheses.sizes import largest_deformation, largest_force
 
 TIME_SHARES = (0.05, 0.3)
 """Relaxation times to start from, in durations of a run: shorter ones are dashpots, longer ones springs."""
@@ -35,64 +36,53 @@ class Relaxation(Hypothesis):
 
     def _forms(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
         duration = max(float(one["time"].values[-1]) for one in motion)
-        trace = TRACE * largest_force(motion, joint.name) / largest_deformation(motion, joint.name)
         time = Parameter(TIME_SHARES[0] * duration, 1e-3, 10.0 * duration)
         times = [share * duration for share in TIME_SHARES]
-        element = {
+        trace = TRACE * largest_force(motion, joint.name) / largest_deformation(motion, joint.name)
+        maxwell = self._maxwell(model, joint, time, grid(relaxing_stiffness=(trace,), relaxation_time=times))
+        if "fading" in joint.factors:
+            return maxwell
+        share = {"fading_share": Parameter(0.0, 0.0, 1.0), "relaxation_time": time}
+        fading = Effect(self.physics, "fading", "fading", share, "fading_share", grid(relaxation_time=times))
+        return [*maxwell, multiplied(model, joint, fading), *self._quasi_linear(model, joint, time, times)]
+
+    def _maxwell(self, model: Model, joint: Joint, time: Parameter, starts: list[dict[str, float]]) -> list[Proposal]:
+        """One element, and two; which may pull while the joint is compressed, or not."""
+        parameters = {
             "relaxing_stiffness": Parameter(0.0, 0.0, 1e9),
             "relaxation_time": time,
             "clearance": Parameter(0.0, fixed=True),
             "tension": Parameter(0.0, fixed=True),
         }
-        maxwell = [
-            form
-            for holding, holds in (("", 0.0), (", holding", 1.0))
-            for form in _branches(
-                model, joint, self.physics, holding, {**element, "holds": Parameter(holds, fixed=True)}, trace, times
-            )
+        forms = []
+        for holding, holds in (("", 0.0), (", holding", 1.0)):
+            own = {**parameters, "holds": Parameter(holds, fixed=True)}
+            element = Effect(self.physics, f"maxwell{holding}", "maxwell", own, "relaxing_stiffness", starts)
+            branches = evolve(element, form=f"two branches{holding}")
+            forms += [parallel(model, joint, element), _two_branches(model, joint, branches)]
+        return forms
+
+    def _quasi_linear(self, model: Model, joint: Joint, time: Parameter, times: Sequence[float]) -> list[Proposal]:
+        """Where the joint's law can pass through a memory."""
+        law = f"{joint.law} ~ quasi_linear"
+        if law not in load().spring_laws:
+            return []
+        fresh, starts = {"fresh_share": Parameter(0.0, 0.0, 1e2), "relaxation_time": time}, grid(relaxation_time=times)
+        effects = [
+            Effect(self.physics, form, law, {**fresh, "holds": Parameter(holds, fixed=True)}, "fresh_share", starts)
+            for form, holds in (("quasi-linear", 0.0), ("quasi-linear, holding", 1.0))
         ]
-        if "fading" in joint.factors:
-            return maxwell
-        fading = {"fading_share": Parameter(0.0, 0.0, 1.0), "relaxation_time": time}
-        share = multiplied(model, joint, self.physics, "fading", "fading", fading, "fading_share", grid(relaxation_time=times))
-        return [*maxwell, share, *_quasi_linear(model, joint, self.physics, time, times)]
+        return [changed(model, joint, effect) for effect in effects]
 
 
-def _branches(
-    model: Model,
-    joint: Joint,
-    physics: str,
-    holding: str,
-    element: Mapping[str, Parameter],
-    trace: float,
-    times: Sequence[float],
-) -> list[Proposal]:
-    """One element, and two: the first terms of a Prony series."""
-
-    def beside(what: Model, form: str, first: Sequence[float]) -> Proposal:
-        starts = grid(relaxing_stiffness=(trace,), relaxation_time=first)
-        return parallel(what, joint, physics, form, "maxwell", element, "relaxing_stiffness", starts)
-
-    one = beside(model, f"maxwell{holding}", times)
-    short, long = beside(model, "", times[:1]), beside(one.model, f"two branches{holding}", times[1:])
-    both = evolve(
+def _two_branches(model: Model, joint: Joint, element: Effect) -> Proposal:
+    """The element twice, each from a start of its own: the first terms of a Prony series."""
+    short = parallel(model, joint, evolve(element, starts=element.starts[:1]))
+    long = parallel(short.model, joint, evolve(element, starts=element.starts[1:]))
+    return evolve(
         long,
         parameters=(*short.parameters, *long.parameters),
         null={**short.null, **long.null},
         starts=({**short.starts[0], **long.starts[0]},),
         refined=True,
     )
-    return [one, both]
-
-
-def _quasi_linear(model: Model, joint: Joint, physics: str, time: Parameter, times: Sequence[float]) -> list[Proposal]:
-    """Where the joint's law can pass through a memory."""
-    law = f"{joint.law} ~ quasi_linear"
-    if law not in load().spring_laws:
-        return []
-    through, starts = evolve(joint, law=law), grid(relaxation_time=times)
-    fresh = {"fresh_share": Parameter(0.0, 0.0, 1e2), "relaxation_time": time}
-    return [
-        changed(model, through, physics, form, {**fresh, "holds": Parameter(holds, fixed=True)}, "fresh_share", starts)
-        for form, holds in (("quasi-linear", 0.0), ("quasi-linear, holding", 1.0))
-    ]

@@ -9,7 +9,8 @@ from attrs import evolve
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit.registry import load
-from crashkit_hypotheses.build import changed, grid, largest_deformation, largest_extension, largest_force, parallel
+from crashkit_hypotheses.build import Effect, changed, grid, parallel
+from crashkit_hypotheses.sizes import largest_deformation, largest_extension, largest_force
 
 STRETCHED = 1e-4
 """m."""
@@ -28,7 +29,7 @@ class Tension(Hypothesis):
             stretch = largest_extension(motion, joint.name)
             if _only_pushes(joint) and max(stretch, largest_deformation(motion, joint.name)) > 0.0:
                 pull = {"tension": Parameter(0.0, 0.0, 1.0)}
-                proposals.append(changed(model, joint, self.physics, "own line", pull, "tension"))
+                proposals.append(changed(model, joint, Effect(self.physics, "own line", joint.law, pull, "tension")))
                 proposals += self._limited(model, joint, largest_force(motion, joint.name))
             if stretch > STRETCHED:
                 proposals.append(self._strap(model, joint, stretch))
@@ -40,13 +41,13 @@ class Tension(Hypothesis):
             return []
         pull = {"tension": Parameter(1.0, fixed=True), "tension_force": Parameter(0.0, 0.0, largest)}
         starts = grid(tension_force=(0.0, 0.1 * largest, 0.4 * largest))
-        limited = changed(model, joint, self.physics, "own line, to a limit", pull, "tension_force", starts)
-        return [evolve(limited, refined=True)]
+        limited = Effect(self.physics, "own line, to a limit", joint.law, pull, "tension_force", starts)
+        return [evolve(changed(model, joint, limited), refined=True)]
 
     def _strap(self, model: Model, joint: Joint, stretch: float) -> Proposal:
         strap = {"stiffness": Parameter(0.0, 0.0, 1e9), "slack": Parameter(0.0, 0.0, stretch)}
         starts = grid(slack=(0.0, 0.2 * stretch, 0.5 * stretch))
-        return parallel(model, joint, self.physics, "strap", "tension_spring", strap, "stiffness", starts)
+        return parallel(model, joint, Effect(self.physics, "strap", "tension_spring", strap, "stiffness", starts))
 
 
 def _only_pushes(joint: Joint) -> bool:

@@ -8,17 +8,14 @@ import xarray as xr
 
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import (
+from crashkit_hypotheses.build import Effect, between, grounded, multiplied, parallel
+from crashkit_hypotheses.sizes import (
     approaching,
-    between,
     forces_recorded,
-    grounded,
     largest_deformation,
     largest_force,
     largest_rate,
     largest_travel,
-    multiplied,
-    parallel,
 )
 
 Table = Mapping[str, Parameter | tuple[Parameter, ...]]
@@ -63,16 +60,16 @@ class Unknown(Hypothesis):
         share: Table = {"rate_heights": _heights(1.0), "rate_reach": Parameter(fastest, fixed=True)}
         of_time = _of_time(largest, motion)
         return [
-            parallel(model, joint, self.physics, "deformation", "smooth_table", of_deformation, "heights"),
-            parallel(model, joint, self.physics, "deformation, both ways", "smooth_table", both_ways, "heights"),
-            parallel(model, joint, self.physics, "rate", "rate_table", of_rate, "heights"),
-            multiplied(model, joint, self.physics, "rate, as a factor", "rate_curve", share, "rate_heights"),
-            parallel(model, joint, self.physics, "time", "time_table", of_time, "heights"),
+            parallel(model, joint, Effect(self.physics, "deformation", "smooth_table", of_deformation, "heights")),
+            parallel(model, joint, Effect(self.physics, "deformation, both ways", "smooth_table", both_ways, "heights")),
+            parallel(model, joint, Effect(self.physics, "rate", "rate_table", of_rate, "heights")),
+            multiplied(model, joint, Effect(self.physics, "rate, as a factor", "rate_curve", share, "rate_heights")),
+            parallel(model, joint, Effect(self.physics, "time", "time_table", of_time, "heights")),
         ]
 
     def _between(self, model: Model, pair: tuple[str, str], reach: float, motion: Sequence[xr.Dataset]) -> Proposal:
         own = _of_deformation(_largest_at(model, pair, motion), reach)
-        return between(model, pair, self.physics, "deformation", "smooth_table", own, "heights")
+        return between(model, pair, Effect(self.physics, "deformation", "smooth_table", own, "heights"))
 
     def _on_body(self, model: Model, body: Body, motion: Sequence[xr.Dataset]) -> list[Proposal]:
         largest = _largest_at(model, (body.name,), motion)
@@ -84,9 +81,9 @@ class Unknown(Hypothesis):
             "reach": Parameter(max(largest_travel(motion, body.name), LEAST), fixed=True),
         }
         return [
-            grounded(model, body, self.physics, "time", "time_table", of_time, "heights"),
-            grounded(model, body, self.physics, "speed", "rate_table", of_speed, "heights"),
-            grounded(model, body, self.physics, "travel", "smooth_table", of_travel, "heights"),
+            grounded(model, body, Effect(self.physics, "time", "time_table", of_time, "heights")),
+            grounded(model, body, Effect(self.physics, "speed", "rate_table", of_speed, "heights")),
+            grounded(model, body, Effect(self.physics, "travel", "smooth_table", of_travel, "heights")),
         ]
 
 

@@ -1,0 +1,79 @@
+"""What motions and recordings say of sizes, to start a search from: how far, how fast, how hard; which bodies come closer."""
+
+from collections.abc import Sequence
+from itertools import combinations
+
+import numpy as np
+import xarray as xr
+
+from crashkit.model import Model
+
+NEARER = 1e-3
+"""m, least approach of two bodies that may touch."""
+
+
+def largest_deformation(motions: Sequence[xr.Dataset], joint: str) -> float:
+    """m, over all runs."""
+    return max(float(np.nanmax(motion["deformation"].sel(joint=joint).values)) for motion in motions)
+
+
+def largest_extension(motions: Sequence[xr.Dataset], joint: str) -> float:
+    """m, over all runs; 0 where it was never stretched."""
+    return max(float(-np.nanmin(motion["deformation"].sel(joint=joint).values, initial=0.0)) for motion in motions)
+
+
+def pulls(motions: Sequence[xr.Dataset], joint: str) -> bool:
+    """Whether a joint pulled in some run."""
+    stretched = largest_extension(motions, joint) > 0.0
+    return stretched and min(float(np.nanmin(one["force"].sel(joint=joint).values)) for one in motions) < 0.0
+
+
+def largest_force(motions: Sequence[xr.Dataset], joint: str) -> float:
+    """N, over all runs."""
+    return max(float(np.nanmax(np.abs(motion["force"].sel(joint=joint).values))) for motion in motions)
+
+
+def largest_rate(motions: Sequence[xr.Dataset], joint: str) -> float:
+    """m s-1, over all runs."""
+    return max(float(np.nanmax(np.abs(motion["deformation_rate"].sel(joint=joint).values))) for motion in motions)
+
+
+def largest_travel(motions: Sequence[xr.Dataset], body: str) -> float:
+    """m, from where a body was at t = 0, over all runs."""
+    return max(_travel(motion["position"].sel(body=body)) for motion in motions)
+
+
+def _travel(position: xr.DataArray) -> float:
+    moved = position.transpose("time", "axis").values
+    return float(np.linalg.norm(moved - moved[0], axis=1).max())
+
+
+def largest_approach(motions: Sequence[xr.Dataset], first: str, second: str) -> float:
+    """m, by how much two bodies come closer than they were at t = 0, over all runs."""
+    return max(_approach(motion["position"].sel(body=first) - motion["position"].sel(body=second)) for motion in motions)
+
+
+def approaching(model: Model, motions: Sequence[xr.Dataset]) -> dict[tuple[str, str], float]:
+    """The pairs of bodies without a joint that come closer than they were, and by how much, m."""
+    joined = {frozenset(joint.bodies) for joint in model.joints}
+    pairs = [(a, b) for a, b in combinations(model.bodies, 2) if not (a.fixed and b.fixed) and a.position != b.position]
+    free = [(a.name, b.name) for a, b in pairs if {a.name, b.name} not in joined]
+    reached = {pair: largest_approach(motions, *pair) for pair in free}
+    return {pair: approach for pair, approach in reached.items() if approach > NEARER}
+
+
+def _approach(separation: xr.DataArray) -> float:
+    distance = np.linalg.norm(separation.transpose("time", "axis").values, axis=1)
+    return float(distance[0] - distance.min())
+
+
+def forces_recorded(recordings: Sequence[xr.DataTree]) -> bool:
+    """Whether a load cell is among the instruments."""
+    return any("force" in group.data_vars for recording in recordings for group in recording.children.values())
+
+
+def sampling_interval(recordings: Sequence[xr.DataTree]) -> float:
+    """s, of the fastest instrument; 1 ms where there is none."""
+    groups = [group.to_dataset(inherit=False) for recording in recordings for group in recording.children.values()]
+    stamps = [group["time"].values for group in groups if group.sizes.get("time", 0) > 1]
+    return min((float(np.median(np.diff(times))) for times in stamps), default=1e-3)
