@@ -4,6 +4,7 @@ import numpy as np
 from attrs import evolve
 
 from crashkit.misfit.channel import Channel, Group
+from crashkit.misfit.thin import in_step
 
 INSTANTS = 100
 """That a channel keeps, if it has as many."""
@@ -23,7 +24,7 @@ def coarse_group(group: Group) -> Group:
     factor = _factor(group)
     if factor == 1:
         return group
-    kept = slice(None, None, factor)
+    kept = in_step(group.times, factor)
     recorded = group.recorded[kept]
     channels = tuple(_thinned(channel, recorded[:, i], factor) for i, channel in enumerate(group.channels))
     dataset = group.dataset.isel(time=kept)
@@ -58,7 +59,9 @@ def _frequency_class(group: Group) -> int:
 
 
 def _factor(group: Group) -> int:
-    return 1 if _frequency_class(group) > 0 else max(1, len(group.times) // INSTANTS)
+    """A power of two: what is read at the same instants at first then still is."""
+    many = len(group.times) // INSTANTS
+    return 1 if _frequency_class(group) > 0 or many < 2 else 1 << (many.bit_length() - 1)
 
 
 def _thinned(channel: Channel, samples: np.ndarray, factor: int) -> Channel:

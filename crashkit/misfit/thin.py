@@ -49,20 +49,33 @@ def _thin(instrument: xr.Dataset, quantity: str, halvings: int) -> xr.Dataset:
     is_closed = 0 < filter_class < OPEN_CLASS
     wanted = min(SEARCH_INTERVAL, 1.0 / (FILTER_MARGIN * filter_class)) if is_closed else SEARCH_INTERVAL
     factor = int(0.5**halvings * wanted / interval + 1e-6)
-    if not is_closed and factor % 2 == 0:
-        factor += 1  # blocks are centred on samples
+    if not is_closed and factor == 2:
+        factor = 3  # a block of two with a middle shares too much with the next
     if factor < 2 or np.ptp(steps) > 0.01 * interval:
         return instrument
     if is_closed:
-        return instrument.isel(time=slice(None, None, factor))
+        return instrument.isel(time=in_step(times, factor))
     return _averaged(instrument, quantity, factor, filter_class)
 
 
+def in_step(times: np.ndarray, factor: int, margin: int = 0) -> np.ndarray:
+    """Every so many of evenly spaced samples, those at multiples of that interval from t = 0.
+
+    There other instruments are read too, and a simulation, which stops wherever something is read, takes fewer steps.
+
+    Arguments:
+        margin: samples at both ends that are not taken.
+    """
+    interval = float(np.median(np.diff(times)))
+    first = margin + -round(float(times[margin]) / interval) % factor
+    return np.arange(first, len(times) - margin, factor)
+
+
 def _averaged(instrument: xr.Dataset, quantity: str, factor: int, filter_class: int) -> xr.Dataset:
-    """Weighted means of odd blocks and their neighbours, which reach equally far to both sides of a kept sample."""
+    """Weighted means of blocks and their neighbours, which reach equally far to both sides of a kept sample."""
     weights = _weights(factor)
     half = len(weights) // 2
-    kept = np.arange(half, instrument.sizes["time"] - half, factor)
+    kept = in_step(instrument["time"].values, factor, half)
     readings = instrument[quantity].transpose("time", ...)
     means = np.sum([weight * readings.values[kept + shift - half] for shift, weight in enumerate(weights)], axis=0)
     thin = instrument.isel(time=kept)
@@ -75,10 +88,17 @@ def _averaged(instrument: xr.Dataset, quantity: str, factor: int, filter_class: 
 def _weights(factor: int) -> np.ndarray:
     """Of a block and its two neighbours, so that the mean is the value at the centre for every parabola.
 
-    The plain mean of a block is off by a share of the curvature: for a light body on a stiff spring far above the noise.
+    The plain mean of a block is off by a share of the curvature: for a light body on a stiff spring far above the noise. Of a
+    block of an even number, which has no middle, the ends are shared with the neighbours.
     """
-    curvature = (factor**2 - 1) / (24.0 * factor**2)
-    return np.repeat([-curvature, 1.0 + 2.0 * curvature, -curvature], factor) / factor
+    block = np.full(factor, 1.0 / factor)
+    if factor % 2 == 0:
+        block = np.convolve(block, (0.5, 0.5))
+    away = np.arange(len(block)) - len(block) // 2
+    curvature = float(block @ away**2) / (2.0 * factor**2)
+    beside = np.zeros(2 * factor + 1)
+    beside[::factor] = -curvature, 1.0 + 2.0 * curvature, -curvature
+    return np.convolve(block, beside)
 
 
 def _noise_left(times: np.ndarray, weights: np.ndarray, filter_class: int) -> float:

@@ -51,6 +51,23 @@ def test_a_parabola_goes_through_as_it_is(run, quantities, changed, interval):
     assert after["acceleration"].values.ravel() == pytest.approx(3.0 - 2e3 * times + 8e5 * times**2, rel=1e-9)
 
 
+@pytest.mark.parametrize("interval", [1e-4, 5e-5, 1.25e-4, 2.5e-5])
+@pytest.mark.parametrize("start", [-0.0071, 0.0, 0.0023])
+def test_what_is_left_is_read_when_film_is_too(run, quantities, changed, interval, start):
+    """At whatever instant the recording begins: a simulation stops at every instant that something is read."""
+    first = round(start / interval)
+    moved = changed(
+        run,
+        "accelerometer",
+        lambda dataset: dataset.assign_coords(time=interval * (first + np.arange(dataset.sizes["time"]))),
+    )
+    times = thinned(moved, quantities)["accelerometer"]["time"].values
+    film = run["film"]["time"].values
+    inside = film[(film >= times[0] - 1e-9) & (film <= times[-1] + 1e-9)]
+    assert inside.size > 20
+    assert np.abs(inside[:, None] - times).min(axis=1).max() < 1e-9
+
+
 def test_the_given_recording_stays_as_it_was(run, quantities):
     before = run.copy(deep=True)
     thinned(run, quantities)
@@ -71,7 +88,7 @@ def test_samples_at_uneven_times_are_left_alone(run, quantities, changed):
 @pytest.mark.parametrize("cfc", [0, 600])
 @pytest.mark.parametrize(("interval", "kept"), [(3e-4, 3e-4), (2e-4, 6e-4)])
 def test_blocks_are_centred_on_a_sample(recorded, model, changed, quantities, cfc, interval, kept):
-    """At 5 kHz two samples would do, but have no middle."""
+    """At 5 kHz two samples would do, but they share too much with the next two."""
     run = changed(
         recorded(model, interval=interval), "accelerometer", lambda one: one.assign_attrs(channel_frequency_class=cfc)
     )
@@ -101,7 +118,9 @@ def test_thinning_keeps_the_information(run, quantities, changed, misfit, model,
     assert after == pytest.approx(before, rel=0.05)
 
 
-def test_thinning_leaves_as_much_noise_as_it_says(run, quantities, changed, misfit, model):
+@pytest.mark.parametrize("interval", [1e-4, 5e-5])
+def test_thinning_leaves_as_much_noise_as_it_says(recorded, quantities, changed, misfit, model, interval):
+    run = recorded(model, interval=interval)
     one = misfit(model, run=thinned(changed(run, "accelerometer", noisy), quantities))
     total = one.channel_sums(one.residual(one.start()))[1]
     count = one.channels[1].samples
