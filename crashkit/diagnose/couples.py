@@ -9,10 +9,9 @@ from attrs import evolve, frozen
 from crashkit.campaign import spread
 from crashkit.diagnose.contest import Progress, first_of_each, identity, is_same, propose_all
 from crashkit.diagnose.evidence import price_of
-from crashkit.diagnose.growing import grown
-from crashkit.diagnose.regress import OPENING, End, regression, residual_and_jacobian
+from crashkit.diagnose.regress import OPENING, End, regression, residual_and_jacobian, simulated
 from crashkit.diagnose.result import UNKNOWN
-from crashkit.diagnose.search import Search, advance_all, begin_all
+from crashkit.diagnose.search import Search, advance_all
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
@@ -22,7 +21,7 @@ LEADERS = 12
 TRIED = 24
 """Couples that are regressed; of each two claims one in the forms that promise most."""
 HEATS = ((6, 10), (2, 60))
-"""How many of those that leave least of the equations are then simulated, and how many steps each gets."""
+"""How many of those that leave least of the equations are simulated, and how many more steps each gets."""
 
 
 @frozen
@@ -172,22 +171,18 @@ def _begun(workshop: Workshop, given: Misfit, promise: Promise) -> _Begun | None
 
 
 def _simulated(workshop: Workshop, begun: Sequence[_Begun], progress: Progress) -> list[Couple]:
-    """Those that leave least, shown the recordings little by little and then all at once; the most evident first."""
+    """Those that leave least, with simulations; the most evident first."""
     ahead = sorted(begun, key=lambda one: one.left)[: HEATS[0][0]]
-    progress(f"showing the recordings little by little to {len(ahead)} couples", 0.0)
-    shown = spread(partial(_shown, workshop), ahead)
-    searches = begin_all(workshop.identifier, [one.misfit.with_values(end) for one, end in zip(ahead, shown, strict=True)])
+    progress(f"showing the recordings to {len(ahead)} couples", 0.0)
+    ends = spread(lambda one: regression(workshop, one.misfit), ahead)
+    starts = [one.misfit if end is None else one.misfit.with_values(end[0]) for one, end in zip(ahead, ends, strict=True)]
+    searches = simulated(workshop.identifier, starts, [True] * len(starts))
     couples = [Couple(one.first, one.second, search) for one, search in zip(ahead, searches, strict=True)]
     for size, steps in HEATS:
         couples = sorted(couples, key=_cost)
         searches = advance_all([couple.search for couple in couples[:size]], steps)
         couples[:size] = [evolve(couple, search=search) for couple, search in zip(couples, searches, strict=False)]
     return sorted(couples, key=_cost)
-
-
-def _shown(workshop: Workshop, one: _Begun) -> Mapping[str, float]:
-    end = regression(workshop, one.misfit)
-    return grown(workshop.identifier, one.misfit if end is None else one.misfit.with_values(end[0]))
 
 
 def _cost(couple: Couple) -> float:
