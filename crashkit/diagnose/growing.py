@@ -9,7 +9,7 @@ from crashkit.diagnose.search import begin
 from crashkit.misfit import Misfit
 from crashkit.protocols import Identifier
 
-MOST, LEAST = 0.04, 0.005
+MOST, LEAST = 0.08, 0.005
 """Shares of the time recorded that are taken in at once: at first, and where more misled the search again and again."""
 LONGER = 1.5
 """By which factor the next share is, after one that was understood."""
