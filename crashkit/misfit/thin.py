@@ -14,6 +14,8 @@ FILTER_MARGIN = 10.5
 """A channel filtered to class C needs more than 10 C samples a second for its filter (SAE J211)."""
 OPEN_CLASS = 600
 """A filter of this class or above lets through all that a structure does."""
+FEWEST = 8
+"""Blocks that a channel must have: of less, too little would be left."""
 NO_HALVINGS: Mapping[str, int] = MappingProxyType({})
 MEMORY = 200
 """Samples after which such a filter has forgotten an impulse."""
@@ -51,7 +53,7 @@ def _thin(instrument: xr.Dataset, quantity: str, halvings: int) -> xr.Dataset:
     factor = int(0.5**halvings * wanted / interval + 1e-6)
     if not is_closed and factor == 2:
         factor = 3  # a block of two with a middle shares too much with the next
-    if factor < 2 or np.ptp(steps) > 0.01 * interval:
+    if factor < 2 or len(times) < FEWEST * factor or np.ptp(steps) > 0.01 * interval:
         return instrument
     if is_closed:
         return instrument.isel(time=in_step(times, factor))
@@ -67,7 +69,7 @@ def in_step(times: np.ndarray, factor: int, margin: int = 0) -> np.ndarray:
         margin: samples at both ends that are not taken.
     """
     interval = float(np.median(np.diff(times)))
-    first = margin + -round(float(times[margin]) / interval) % factor
+    first = margin + -(margin + round(float(times[0]) / interval)) % factor
     return np.arange(first, len(times) - margin, factor)
 
 

@@ -85,6 +85,12 @@ def test_samples_at_uneven_times_are_left_alone(run, quantities, changed):
     assert thinned(uneven, quantities)["accelerometer"].sizes["time"] == 1997
 
 
+@pytest.mark.parametrize("count", [2, 7, 14, 39])
+def test_a_few_samples_are_left_alone(run, quantities, changed, count):
+    few = changed(run, "accelerometer", lambda dataset: dataset.isel(time=slice(count)))
+    assert thinned(few, quantities)["accelerometer"].identical(few["accelerometer"])
+
+
 @pytest.mark.parametrize("cfc", [0, 600])
 @pytest.mark.parametrize(("interval", "kept"), [(3e-4, 3e-4), (2e-4, 6e-4)])
 def test_blocks_are_centred_on_a_sample(recorded, model, changed, quantities, cfc, interval, kept):
