@@ -5,9 +5,11 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.diagnose import name as naming
+from crashkit.diagnose import regress
 from crashkit.diagnose.contest import propose_all
 from crashkit.diagnose.name import further_rivals
-from crashkit.diagnose.regress import opened, regressed
+from crashkit.diagnose.regress import AT_A_TIME, opened, regressed, simulated
+from crashkit.diagnose.search import begin
 from crashkit.errors import CrashkitError
 from crashkit.model import Body, Joint, Parameter
 from crashkit.model.edit import with_body, with_joint
@@ -138,3 +140,45 @@ def test_all_are_simulated_where_no_motion_was_measured(workshop, rough, claims,
     monkeypatch.setattr(naming, "scores", lambda *args: scored.extend(args[2]) or [])
     further_rivals(unseen, rough, rough, claims(rough, "bias", "viscous_damping"), [], True, silent)
     assert {p.physics for p in scored} == {"bias", "viscous_damping"}
+
+
+@pytest.fixture
+def shown(monkeypatch):
+    """The misfits whose recordings were shown little by little, which leads nowhere."""
+    asked = []
+    monkeypatch.setattr(regress, "spread", lambda function, items: [function(item) for item in items])
+
+    def nowhere(identifier, misfit):
+        asked.append(misfit)
+        return {name: 1.5 * value for name, value in misfit.values(misfit.start()).items()}
+
+    monkeypatch.setattr(regress, "grown", nowhere)
+    return asked
+
+
+@pytest.mark.parametrize(("known", "count"), [((True, True), 0), ((False, True), 0), ((False, False), 2)])
+def test_what_a_known_claim_explains_at_once_is_not_shown_little_by_little(
+    model, misfit, recorded, workshop, shown, known, count
+):
+    right = misfit(model, run=recorded(model))
+    searches = simulated(workshop.identifier, [right, right], known)
+    assert len(shown) == count
+    assert max(search.normalised for search in searches) < 1.05  # whatever that led to
+
+
+def test_the_most_promising_are_shown_the_recordings_first_and_known_ones_before_estimates(rough, workshop, shown):
+    steps = [rough.with_values({"joint.first.crush_force": force}) for force in (5e3, 3e4, 6e4, 9e4, 1e5, 2e5)]
+    known = [index != 2 for index in range(len(steps))]
+    ends = simulated(workshop.identifier, steps, known)
+    assert len(shown) == len(steps) > AT_A_TIME
+    assert shown[-1].values(shown[-1].start()) == steps[2].values(steps[2].start())
+    assert all(end.normalised <= begin(workshop.identifier, one).normalised for end, one in zip(ends, steps, strict=True))
+
+
+def test_while_little_has_been_seen_all_numbers_are_believed_to_be_where_they_are(rough, workshop, shown):
+    given = rough.with_prior(0.3)
+    moved = given.with_values({"joint.first.crush_force": 7e4})
+    simulated(workshop.identifier, [moved], [True])
+    assert moved.prior.centres["joint.first.crush_force"] != pytest.approx(7e4)
+    assert shown[0].prior.centres["joint.first.crush_force"] == pytest.approx(7e4)
+    assert shown[0].prior.std == 0.3
