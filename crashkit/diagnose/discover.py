@@ -1,6 +1,7 @@
 """Which instruments are believed while the structure is questioned: those that kinematics contradicts come first or last."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 from attrs import evolve
 
@@ -8,16 +9,19 @@ from crashkit.diagnose.aside import CLOCK, Suspect, late_clocks, on_time, suspec
 from crashkit.diagnose.consistency import by_run, check_instruments
 from crashkit.diagnose.contest import Progress, propose_all
 from crashkit.diagnose.evidence import FLOOR, Rival, probabilities, ranked_by_evidence
+from crashkit.diagnose.explore import beside_reading, discovered
 from crashkit.diagnose.in_time import in_time
 from crashkit.diagnose.look import Round, look_again
 from crashkit.diagnose.rebuild import rebuild
 from crashkit.diagnose.reidentify import reidentify
-from crashkit.diagnose.rounds import Discovery, discovered, reconsidered
+from crashkit.diagnose.rounds import Discovery
 from crashkit.diagnose.search import STEPS, Search, begin
 from crashkit.diagnose.second_best import second_best
 from crashkit.diagnose.settle import settled
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
+from crashkit.model import Model
+from crashkit.protocols import Proposal
 
 
 def discover(workshop: Workshop, given: Misfit, base_search: Search, rivals: Sequence[Rival], progress: Progress) -> Discovery:
@@ -51,19 +55,23 @@ def _beside(
     search = rebuild(workshop, base_search, [look.rivals[0] for look in rounds], structure.search)
     if search is None:
         return None
-    unbent = given.with_values_of(structure.search.fitted())
-    for suspect in set_aside:
-        found = [look.rivals[0] for look in rounds]
-        look = in_time(None, look_again, workshop, unbent, search.fitted(), found, progress, suspect.concerns)
-        if look is None:
+    unbent, waiting = given.with_values_of(structure.search.fitted()), set_aside
+    while waiting:
+        found, concerns = [look.rivals[0] for look in rounds], partial(_concern, waiting)
+        look = in_time(None, look_again, workshop, unbent, search.fitted(), found, progress, concerns)
+        if look is None or (look.winner is None and search.normalised <= FLOOR):
             break
-        if look.winner is None and search.normalised > FLOOR:
-            return None
         if look.winner is None:
-            continue
+            return None
+        waiting = tuple(one for one in waiting if not one.concerns(look.winner.proposal, look.before.model))
         rounds.append(in_time(look, settled, workshop, unbent, look, look.winner, found, progress))
         search = rounds[-1].rivals[0].search
     return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds))
+
+
+def _concern(waiting: Sequence[Suspect], proposal: Proposal, model: Model) -> bool:
+    """Whether a proposal says no more than what a sensor of one of these reads."""
+    return any(suspect.concerns(proposal, model) for suspect in waiting)
 
 
 def _with_clock(
@@ -71,15 +79,7 @@ def _with_clock(
 ) -> Discovery | None:
     """A clock that is wrong, and then what all instruments say of the structure once that is right; None if none is."""
     clock = _clock(workshop, given, base_search, late)
-    if clock.winner is None:
-        return None
-    search = clock.winner.search
-    at_pace = evolve(workshop, recorded={})
-    structure = discovered(at_pace, search.fitted().with_values_of(given), search, progress)
-    rounds, search = [clock, *structure.rounds], structure.search
-    if structure.rounds:
-        rounds, search = in_time((rounds, search), reconsidered, workshop, given, base_search, rounds, search, progress)
-    return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds), structure.last)
+    return beside_reading(workshop, given, base_search, clock, progress) if clock.winner else None
 
 
 def _clock(workshop: Workshop, given: Misfit, base_search: Search, late: Mapping[str, float]) -> Round:

@@ -7,9 +7,10 @@ from attrs import evolve
 from crashkit.diagnose.contest import propose_all
 from crashkit.diagnose.courses import Course, courses, outstanding
 from crashkit.diagnose.evidence import Rival
+from crashkit.diagnose.explore import _where_it_acts
 from crashkit.diagnose.look import Round
 from crashkit.diagnose.result import place_of
-from crashkit.diagnose.rounds import Discovery, _where_it_acts
+from crashkit.diagnose.rounds import Discovery
 from crashkit.diagnose.search import begin
 from crashkit.errors import CrashkitError
 from crashkit.model import Joint, Parameter

@@ -12,7 +12,7 @@ from crashkit.diagnose.evidence import Rival
 from crashkit.diagnose.left_out import left_out_drop
 from crashkit.diagnose.look import LEAST_DROP, Round, _is_given, least_drop
 from crashkit.diagnose.needed import _asked, needed, price
-from crashkit.diagnose.rounds import Discovery, _corrects, _is_confirmed, _suffices, _was_asked, reconsidered
+from crashkit.diagnose.rounds import Discovery, _corrects, _was_asked, reconsidered
 from crashkit.diagnose.search import begin
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_body, with_joint
@@ -133,38 +133,6 @@ def test_the_same_is_not_asked_twice(workshop, model, misfit, recorded):
     assert not _was_asked(Round((), (), 1.0, off), same)
 
 
-@pytest.mark.parametrize(("given", "rounds", "suffices"), [(9.0, 1, True), (2.0, 1, False), (9.0, 2, False)])
-def test_one_cause_is_enough_if_a_second_could_explain_too_little_to_be_told(monkeypatch, given, rounds, suffices):
-    """At 1.03 times the noise, where the model left so much."""
-
-    def leaving(normalised):
-        return SimpleNamespace(normalised=normalised, excess=normalised**2 - 1.0)
-
-    monkeypatch.setattr(questioned, "explains", lambda search: False)
-    monkeypatch.setattr(questioned, "is_sound", lambda search: True)
-    assert _suffices([None] * rounds, leaving(1.03), leaving(given)) == suffices
-
-
-def test_what_everything_in_sight_only_confirms_is_told():
-    """By the same winner that leaves hardly less."""
-
-    def leaving(normalised, physics="fracture"):
-        search = SimpleNamespace(normalised=normalised, excess=normalised**2 - 1.0)
-        rival = Rival(Proposal(physics, "", {"joint": "front"}, None, (), {}), search, 9000.0, 4500.0)
-        return Round((rival,), (1.0,), 0.0, None)
-
-    def found(normalised, rounds=1):
-        look = leaving(normalised)
-        return Discovery(None, None, look.rivals[0].search, (look,) * rounds)
-
-    assert _is_confirmed(found(1.12), leaving(1.11))
-    assert not _is_confirmed(found(1.12), leaving(1.05))
-    assert not _is_confirmed(found(1.12), leaving(1.11, "tension"))
-    assert not _is_confirmed(found(1.12), Round((), (), 1.0, None))
-    assert not _is_confirmed(found(1.12, rounds=2), leaving(1.11))
-    assert not _is_confirmed(found(1.3), leaving(1.29))
-
-
 def test_a_third_finding_must_explain_more_than_a_second():
     def rival(drop, kind="joint", numbers=("one",)):
         return Rival(Proposal("fracture", "", {kind: "front"}, None, numbers, {}), None, drop, 0.5 * drop)
@@ -204,24 +172,3 @@ def test_a_claim_after_which_nothing_is_left_need_not_explain_as_much_either(off
     """Where plainly something was left before."""
     look, _, _ = offered(damping)
     assert (evolve(look, least=least * abs(look.rivals[0].drop)).winner is not None) == convinces
-
-
-@pytest.mark.parametrize(("leaves", "asked"), [([5.0, 2.0, 1.1, 0.9], 3), ([5.0, 4.9, 1.0], 1), ([0.98, 0.5, 0.4], 1)])
-def test_everything_is_asked_again_from_where_the_model_alone_leaves_half_as_much(monkeypatch, leaves, asked):
-    """But not of a model at the noise, whatever is left of that."""
-    alone = [SimpleNamespace(normalised=one, excess=one**2 - 1.0, fitted=lambda one=one: one) for one in leaves]
-    looked = []
-
-    def look_again(workshop, given, current, *others, **named):
-        looked.append(current)
-        return SimpleNamespace(rivals=())
-
-    monkeypatch.setattr(questioned, "look_again", look_again)
-    monkeypatch.setattr(questioned, "alone_again", lambda search, misfits: alone[alone.index(search) + 1])
-    monkeypatch.setattr(questioned, "may_conceal", lambda misfit: False)
-    monkeypatch.setattr(questioned, "_won", lambda search, look: None)
-    monkeypatch.setattr(questioned, "_widely", lambda workshop, given, search, *others: search)
-    monkeypatch.setattr(questioned, "_where_it_acts", lambda workshop, given, found: found)
-    found = questioned.discovered(None, None, alone[0], silent)
-    assert looked == leaves[:asked]
-    assert found is alone[asked - 1]

@@ -67,7 +67,7 @@ class ViscousDamping(Hypothesis):
 
 class JointFriction(Hypothesis):
     """F = F_law + f sign(ddot), smoothed at low rates or over the length of a bristle, at all times or while compressed; or
-    F_law (1 + m sign(ddot)), where the joint's own force presses what rubs."""
+    F_law (1 + m sign(ddot)), where the joint's own force presses what rubs; or both, where something else presses it too."""
 
     physics: ClassVar[str] = "joint_friction"
     sentence: ClassVar[str] = "a dry friction force opposes the deformation of {place}"
@@ -101,7 +101,12 @@ class JointFriction(Hypothesis):
         pushing = Effect(self.physics, "smooth, only pushing", "coulomb", force | SMOOTH | closed, "friction_force")
         share = {"friction_share": Parameter(0.0, 0.0, 1.0), "slip_rate": Parameter(0.1, 0.01, 1.0)}
         pressed = Effect(self.physics, "in proportion", "rubbing", share, "friction_share")
-        fine = [*pushing_beside(model, joint, pushing), multiplied(model, joint, pressed)]
+        preload = Effect(self.physics, "preloaded", "coulomb", force | SMOOTH | always, "friction_force")
+        fine = [
+            *pushing_beside(model, joint, pushing),
+            multiplied(model, joint, pressed),
+            _both(model, joint, pressed, preload),
+        ]
         return [*beside, *(evolve(form, refined=True, odds=odds) for form in fine)]
 
 
@@ -184,6 +189,14 @@ def falling(fastest: float) -> dict[str, Parameter]:
         "stick": Parameter(0.3, -0.9, 9.0),
         "stick_rate": Parameter(0.2 * fastest, 0.02 * fastest, 2.0 * fastest),
     }
+
+
+def _both(model: Model, joint: Joint, factor: Effect, force: Effect) -> Proposal:
+    """A factor on a joint and a force beside it, which are one effect."""
+    beside = parallel(model, joint, force)
+    both = multiplied(beside.model, joint, factor)
+    names, null = (*both.parameters, *beside.parameters), {**both.null, **beside.null}
+    return evolve(both, form=f"{factor.form}, {force.form}", parameters=names, null=null)
 
 
 def _always(damping: Effect) -> Effect:

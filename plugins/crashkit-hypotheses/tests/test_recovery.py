@@ -193,6 +193,11 @@ def clamping(model):
     return with_factor(model, "first", "rubbing", fixed(friction_share=0.2, slip_rate=0.05))
 
 
+def clamped(model):
+    """It rubs even where nothing else presses it."""
+    return with_joint(clamping(model), Joint("rub", ("wall", "front"), "coulomb", fixed(friction_force=3e3, slip_rate=0.1)))
+
+
 def bristling(model):
     bristles = fixed(friction_force=5e3, bristle_length=0.04)
     return with_joint(model, Joint("rub", ("wall", "front"), "dahl", bristles))
@@ -401,6 +406,10 @@ CASES = {
     pressed_by_a_ball: (("bottoming", "power, both ways", {"joint": "first"}), {"exponent": 1.5, "stop_deformation": 0.4}),
     rubbing: (("joint_friction", "sharp", {"joint": "first"}), {"friction_force": 4e3}),
     clamping: (("joint_friction", "in proportion", {"joint": "first"}), {"friction_share": 0.2}),
+    clamped: (
+        ("joint_friction", "in proportion, preloaded", {"joint": "first"}),
+        {"friction_share": 0.2, "friction_force": 3e3},
+    ),
     bristling: (
         ("joint_friction", "bristles", {"joint": "first"}),
         {"friction_force": 5e3, "bristle_length": 0.04},
@@ -452,7 +461,7 @@ CASES = {
     drifting: (("bias", "drift", {"sensor": "rear_sensor"}), {"bias": 2.0, "bias_drift": 30.0}),
 }
 
-LATE = {absorbing, cushioned, belted, pulling, relaxing_twice, stopped, pressed_by_a_ball, clamping}
+LATE = {absorbing, cushioned, belted, pulling, relaxing_twice, stopped, pressed_by_a_ball, clamping, clamped}
 """What acts on the way back."""
 
 
