@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from attrs import frozen
+from attrs import evolve, frozen
 
 from crashkit.diagnose.contest import Entrant, identity
 from crashkit.diagnose.result import UNKNOWN
@@ -24,6 +24,8 @@ IMITATING, REACHING = 0.85, 1.09
 OF_DEFORMATION, IN_TIME = ("deformation", "deformation, both ways", "travel"), "time"
 """Forms of such tables: most known laws are of the deformation, and in a single run each is a force of the time. In several,
 a force of the deformation comes at another time in each."""
+FAR_LESS = 0.5
+"""Of what is left above the noise: a table that leaves less than that of what another of its place does is told instead."""
 UNKNOWN_ODDS = 1e-2
 """Prior odds of an unheard-of force against a known one."""
 
@@ -89,10 +91,15 @@ def probabilities(ranked: Sequence[Rival], tried: int) -> tuple[np.ndarray, floa
 
 
 def best_forms(ranked: Iterable[Rival]) -> list[Rival]:
-    """The most evident form of each physics at each place."""
+    """The most evident form of each physics at each place; of an estimate the one that fits, with the evidence of that.
+
+    That a table may imitate known laws says nothing against it where another of the same place leaves far more.
+    """
     best: dict[tuple[str, str], Rival] = {}
     for rival in ranked:
-        best.setdefault(rival.identity, rival)
+        first = best.setdefault(rival.identity, rival)
+        if rival.proposal.physics == UNKNOWN and rival.search.excess < FAR_LESS * first.search.excess:
+            best[rival.identity] = evolve(rival, evidence=first.evidence)
     return list(best.values())
 
 

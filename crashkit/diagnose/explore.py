@@ -75,6 +75,7 @@ def beside_reading(workshop: Workshop, given: Misfit, base_search: Search, readi
     at_pace = evolve(workshop, recorded={})
     structure = in_time(alone, discovered, at_pace, search.fitted().with_values_of(given), search, progress)
     rounds, search = [reading, *structure.rounds], structure.search
+    rounds, search = in_time((rounds, search), in_best_forms, workshop, base_search, rounds, search, progress)
     if structure.rounds:
         rounds, search = in_time((rounds, search), reconsidered, workshop, given, base_search, rounds, search, progress)
     return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds), structure.last)

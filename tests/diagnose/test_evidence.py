@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from crashkit.diagnose.evidence import ranked_by_evidence
+from crashkit.diagnose.evidence import best_forms, ranked_by_evidence
 from crashkit.protocols import Proposal
 
 REFERENCE = 1e6
@@ -13,7 +13,8 @@ REFERENCE = 1e6
 def left(deviance, runs):
     """A fit that leaves so much of so many runs."""
     misfit = SimpleNamespace(independent_samples=5000.0, recordings=dict.fromkeys(range(runs)))
-    return SimpleNamespace(deviance=deviance, normalised=(deviance / 5000.0) ** 0.5, misfit=misfit)
+    normalised = (deviance / 5000.0) ** 0.5
+    return SimpleNamespace(deviance=deviance, normalised=normalised, excess=normalised**2 - 1.0, misfit=misfit)
 
 
 @pytest.mark.parametrize(
@@ -25,3 +26,16 @@ def test_only_a_force_of_the_time_in_several_runs_is_believed_nearly_as_it_fits(
     peak = Proposal("peak_load", "bell", {"joint": "front"}, None, ("peak_force",), {})
     ranked = ranked_by_evidence([(table, left(6050.0, runs)), (peak, left(51200.0, runs))], REFERENCE)
     assert ranked[0].proposal.physics == told
+
+
+@pytest.mark.parametrize(("left_over", "told"), [(11e3, "deformation"), (44e3, "time")])
+def test_of_two_estimates_at_one_place_the_one_that_fits_is_told_with_the_evidence_of_the_other(left_over, told):
+    """That a table of the deformation imitates known laws says nothing for one of the time that leaves three times the noise;
+    where that leaves about as much, it does."""
+    of_time, of_deformation = (
+        Proposal("unknown", form, {"joint": "front"}, None, ("heights",) * 24, {}) for form in ("time", "deformation")
+    )
+    ranked = ranked_by_evidence([(of_time, left(45e3, 3)), (of_deformation, left(left_over, 3))], REFERENCE)
+    assert ranked[0].proposal is of_time
+    (claim,) = best_forms(ranked)
+    assert (claim.proposal.form, claim.evidence) == (told, ranked[0].evidence)
