@@ -12,6 +12,7 @@ from crashkit.diagnose.score import Score, score
 from crashkit.diagnose.search import Search, advance_all, begin, begin_all, weighed
 from crashkit.diagnose.square import Extended, tangent
 from crashkit.diagnose.workshop import Workshop
+from crashkit.errors import SimulationError
 from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
 
@@ -38,9 +39,13 @@ def is_same(first: Proposal, second: Proposal) -> bool:
 
 
 def propose_all(workshop: Workshop, base: Misfit) -> list[Proposal]:
-    """Every hypothesis at every place of the model, in every form that can be fitted."""
+    """Every hypothesis at every place of the model, in every form that can be fitted; none where it cannot be simulated, as
+    with numbers that only the equations of motion have led."""
     values = {name: parameter.value for name, parameter in base.model.free_parameters().items()}
-    motions = [base.predictor.motion(run, values) for run in base.recordings]
+    try:
+        motions = [base.predictor.motion(run, values) for run in base.recordings]
+    except SimulationError:
+        return []
     return workshop.proposals(base.model, motions, list(base.recordings.values()))
 
 

@@ -7,6 +7,9 @@ import pytest
 
 from crashkit.diagnose.contest import GROWING, heats, propose_all, scores, scouted
 from crashkit.diagnose.result import UNKNOWN
+from crashkit.errors import SimulationError
+from crashkit.model import Joint, Parameter
+from crashkit.model.edit import with_joint
 from crashkit.protocols import Proposal
 
 
@@ -96,3 +99,13 @@ def test_a_scout_that_found_its_way_does_not_go_another(scouts):
 def _coarse_cost(workshop, given, proposal, search):
     coarse = workshop.misfit(given.coarse, proposal.model)
     return float(np.sum(coarse.residual(search.point) ** 2))
+
+
+def test_nothing_is_proposed_from_numbers_with_which_the_model_blows_up(workshop, model, misfit, recorded):
+    """The equations of motion may lead a claim there, along a motion that it would never make."""
+    damping = {"damping": Parameter(1e9, fixed=True), "exponent": Parameter(3.0, fixed=True)}
+    stiff = with_joint(model, Joint("dashpot", ("wall", "front"), "viscous_power", damping))
+    wild = workshop.equipped([stiff]).misfit(misfit(model, run=recorded(model)), stiff)
+    with pytest.raises(SimulationError, match="the force of joint .* at t = .* s is not finite"):
+        wild.residual(wild.start())
+    assert propose_all(workshop, wild) == []
