@@ -21,7 +21,10 @@ GENUINE = 0.98
 known one whose form is off by a seventh."""
 IMITATING, REACHING = 0.85, 1.09
 """The same of a table that anything is imitated by, and the normalised residual below which it does more than imitate."""
-OF_DEFORMATION, IN_TIME = ("deformation", "deformation, both ways", "travel"), "time"
+TENTH = 0.1
+"""Of what the best known claim leaves above the noise: nor does one that leaves less than that only imitate."""
+OF_DEFORMATION = ("deformation", "deformation, both ways", "deformation, at a distance", "travel")
+IN_TIME = "time"
 """Forms of such tables: most known laws are of the deformation, and in a single run each is a force of the time. In several,
 a force of the deformation comes at another time in each."""
 FAR_LESS = 0.5
@@ -55,14 +58,22 @@ class Rival:
 
 def ranked_by_evidence(fitted: Iterable[Entrant], reference: float) -> list[Rival]:
     """The most evident first."""
-    return sorted((rival_of(proposal, search, reference) for proposal, search in fitted), key=lambda rival: -rival.evidence)
+    fitted = list(fitted)
+    known = min((search.excess for proposal, search in fitted if proposal.physics != UNKNOWN), default=0.0)
+    rivals = (rival_of(proposal, search, reference, known) for proposal, search in fitted)
+    return sorted(rivals, key=lambda rival: -rival.evidence)
 
 
-def rival_of(proposal: Proposal, search: Search, reference: float) -> Rival:
-    """A fit weighed against the deviance of the model without the claim."""
+def rival_of(proposal: Proposal, search: Search, reference: float, known: float = 0.0) -> Rival:
+    """A fit weighed against the deviance of the model without the claim.
+
+    Arguments:
+        known: what the best known claim leaves above the noise.
+    """
     drop = reference - search.deviance
     price = price_of(proposal, search.misfit.independent_samples)
-    return Rival(proposal, search, drop, 0.5 * (_credit(proposal, search) * drop - price) + float(np.log(proposal.odds)))
+    credit = _credit(proposal, search, known)
+    return Rival(proposal, search, drop, 0.5 * (credit * drop - price) + float(np.log(proposal.odds)))
 
 
 def price_of(proposal: Proposal, samples: float) -> float:
@@ -70,12 +81,13 @@ def price_of(proposal: Proposal, samples: float) -> float:
     return float(len(proposal.parameters) * np.log(samples))
 
 
-def _credit(proposal: Proposal, search: Search) -> float:
+def _credit(proposal: Proposal, search: Search, known: float) -> float:
     """The share of its drop that a claim is credited with."""
     if proposal.physics != UNKNOWN:
         return 1.0
     imitates = proposal.form in OF_DEFORMATION or (proposal.form == IN_TIME and len(search.misfit.recordings) == 1)
-    return IMITATING if imitates and search.normalised >= REACHING else GENUINE
+    reaches = search.normalised < REACHING or search.excess < TENTH * known
+    return IMITATING if imitates and not reaches else GENUINE
 
 
 def probabilities(ranked: Sequence[Rival], tried: int) -> tuple[np.ndarray, float]:

@@ -45,6 +45,16 @@ def parallel(model: Model, joint: Joint, effect: Effect) -> Proposal:
     return _joined(model, beside, {"joint": joint.name}, effect)
 
 
+def at_a_distance(model: Model, joint: Joint, effect: Effect, apart: float) -> list[Proposal]:
+    """A second joint beside `joint` that is deformed even where that is stretched by `apart`, m; none where how far apart its
+    ends are at t = 0 is not told by where its bodies are."""
+    if joint.free_length is None and len(model.axes) > 1 and (joint.points or joint.normal):
+        return []
+    length = joint.free_length.value if joint.free_length else _apart(model, joint)
+    longer = evolve(joint, free_length=Parameter(length + apart, fixed=True))
+    return [parallel(model, longer, effect)]
+
+
 def added(model: Model, joint: Joint, effect: Effect) -> Proposal:
     """A force in the loading curve of `joint`, so that it unloads with it; beside it where its law takes none."""
     law = f"{joint.law} + {effect.law}"
@@ -138,6 +148,13 @@ def forward(model: Model, body: Body) -> tuple[float, ...] | None:
 def _ahead(body: Body) -> tuple[float, ...]:
     """A point in the direction of travel."""
     return tuple(x + (100.0 if v >= 0 else -100.0) for x, v in zip(body.position, body.velocity, strict=True))
+
+
+def _apart(model: Model, joint: Joint) -> float:
+    """m, the distance of the ends of a joint at t = 0."""
+    points = joint.points or ((0.0,) * len(model.axes),) * 2
+    first, second = (np.add(model.body(name).position, point) for name, point in zip(joint.bodies, points, strict=True))
+    return float(np.linalg.norm(second - first))
 
 
 def _own_length(joint: Joint) -> Parameter | None:

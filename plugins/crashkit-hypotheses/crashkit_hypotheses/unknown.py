@@ -8,11 +8,12 @@ import xarray as xr
 
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import Effect, between, grounded, multiplied, parallel
+from crashkit_hypotheses.build import Effect, at_a_distance, between, grounded, multiplied, parallel
 from crashkit_hypotheses.sizes import (
     approaching,
     forces_recorded,
     largest_deformation,
+    largest_extension,
     largest_force,
     largest_rate,
     largest_travel,
@@ -28,6 +29,8 @@ MOST = 2.0
 USUAL = 0.02
 """Of the largest force: the size that heights are expected to have. What the joint's own law explains as well is left to that
 law, of which more is known outside the runs."""
+APART = 0.2
+"""Of the deformation reached: at least so far apart the ends of a joint may act on each other, at most as far as all of it."""
 LARGE = 0.06
 """The same of a force of the time that several runs have in common: no law of the model could explain it."""
 
@@ -35,8 +38,9 @@ LARGE = 0.06
 class Unknown(Hypothesis):
     """A smooth table f over the range that the recordings cover.
 
-    In a joint F = F_law + f(d), unloading in its own way or along f itself, F_law + f(ddot), F_law (1 + f(ddot)) or
-    F_law + f(t); on a body f(t), f(v) or f(travel); between two bodies that no joint joins f(approach).
+    In a joint F = F_law + f(d), unloading in its own way or along f itself, there also where its ends are apart,
+    F_law + f(ddot), F_law (1 + f(ddot)) or F_law + f(t); on a body f(t), f(v) or f(travel); between two bodies that no
+    joint joins f(approach).
     """
 
     physics: ClassVar[str] = "unknown"
@@ -56,12 +60,16 @@ class Unknown(Hypothesis):
         reach, fastest = largest_deformation(motion, joint.name), largest_rate(motion, joint.name)
         of_deformation = _of_deformation(largest, reach)
         both_ways = {name: value for name, value in of_deformation.items() if name != "unloading_length"}
+        apart = min(max(APART * reach, largest_extension(motion, joint.name)), reach)
+        from_afar = {**both_ways, "reach": Parameter(apart + reach, fixed=True)}
         of_rate: Table = {"heights": _heights(largest), "reach": Parameter(fastest, fixed=True)}
         share: Table = {"rate_heights": _heights(1.0), "rate_reach": Parameter(fastest, fixed=True)}
         of_time = _of_time(largest, motion)
+        far = Effect(self.physics, "deformation, at a distance", "smooth_table", from_afar, "heights")
         return [
             parallel(model, joint, Effect(self.physics, "deformation", "smooth_table", of_deformation, "heights")),
             parallel(model, joint, Effect(self.physics, "deformation, both ways", "smooth_table", both_ways, "heights")),
+            *at_a_distance(model, joint, far, apart),
             parallel(model, joint, Effect(self.physics, "rate", "rate_table", of_rate, "heights")),
             multiplied(model, joint, Effect(self.physics, "rate, as a factor", "rate_curve", share, "rate_heights")),
             parallel(model, joint, Effect(self.physics, "time", "time_table", of_time, "heights")),

@@ -296,6 +296,14 @@ def attracting(model):
     return with_joint(model, Joint("magnet", ("wall", "rear"), "smooth_table", pull))
 
 
+def repelling(model):
+    """Two magnets at the ends of the second joint, before they touch and after they part."""
+    rear, front = (model.body(name).position[0] for name in ("rear", "front"))
+    push = {"heights": tuple(Parameter(3e3 * 1.4**n, fixed=True) for n in range(6)), **fixed(reach=2.0)}
+    length = Parameter(abs(rear - front) + 1.0, fixed=True)
+    return with_joint(model, Joint("magnets", ("front", "rear"), "smooth_table", push, free_length=length))
+
+
 def pushed_away(model):
     return released(model, 4e3)
 
@@ -432,6 +440,7 @@ CASES = {
     pulsed: (("unknown", "time", {"joint": "first"}), {}),
     weakened: (("unknown", "rate, as a factor", {"joint": "first"}), {}),
     attracting: (("unknown", "deformation", {"bodies": ["wall", "rear"]}), {}),
+    repelling: (("unknown", "deformation, at a distance", {"joint": "second"}), {}),
     touching: (
         ("missing_contact", "parabola", {"bodies": ["wall", "rear"]}),
         {"coefficient": 6e4, "stop_deformation": 0.9},
@@ -461,7 +470,7 @@ CASES = {
     drifting: (("bias", "drift", {"sensor": "rear_sensor"}), {"bias": 2.0, "bias_drift": 30.0}),
 }
 
-LATE = {absorbing, cushioned, belted, pulling, relaxing_twice, stopped, pressed_by_a_ball, clamping, clamped}
+LATE = {absorbing, cushioned, belted, pulling, relaxing_twice, stopped, pressed_by_a_ball, clamping, clamped, repelling}
 """What acts on the way back."""
 
 
