@@ -13,7 +13,7 @@ from crashkit.protocols import Proposal
 
 def rival(physics, form, deviance):
     misfit = SimpleNamespace(independent_samples=1000.0)
-    search = SimpleNamespace(deviance=deviance, normalised=1.5, misfit=misfit, fitted=lambda: None)
+    search = SimpleNamespace(deviance=deviance, normalised=1.5, excess=1.25, misfit=misfit, fitted=lambda: None)
     drop = 9000.0 - deviance
     return Rival(Proposal(physics, form, {"joint": "front"}, None, ("a",), {}), search, drop, 0.5 * drop)
 

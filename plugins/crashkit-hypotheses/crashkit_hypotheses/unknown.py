@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 import xarray as xr
+from attrs import evolve
 
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
@@ -31,6 +32,8 @@ USUAL = 0.02
 law, of which more is known outside the runs."""
 APART = 0.2
 """Of the deformation reached: at least so far apart the ends of a joint may act on each other, at most as far as all of it."""
+RARE = 0.01
+"""Odds that they do, against a force that only acts while they touch."""
 LARGE = 0.06
 """The same of a force of the time that several runs have in common: no law of the model could explain it."""
 
@@ -69,7 +72,7 @@ class Unknown(Hypothesis):
         return [
             parallel(model, joint, Effect(self.physics, "deformation", "smooth_table", of_deformation, "heights")),
             parallel(model, joint, Effect(self.physics, "deformation, both ways", "smooth_table", both_ways, "heights")),
-            *at_a_distance(model, joint, far, apart),
+            *(evolve(form, odds=RARE) for form in at_a_distance(model, joint, far, apart)),
             parallel(model, joint, Effect(self.physics, "rate", "rate_table", of_rate, "heights")),
             multiplied(model, joint, Effect(self.physics, "rate, as a factor", "rate_curve", share, "rate_heights")),
             parallel(model, joint, Effect(self.physics, "time", "time_table", of_time, "heights")),
