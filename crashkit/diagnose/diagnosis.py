@@ -10,7 +10,7 @@ from crashkit.campaign import one_thread
 from crashkit.diagnose.consistency import by_run, check_instruments
 from crashkit.diagnose.contest import Progress
 from crashkit.diagnose.discover import discover
-from crashkit.diagnose.evidence import FLOOR, STRAINED, UNEXPLAINED, Rival, is_at_noise
+from crashkit.diagnose.evidence import FLOOR, STRAINED, UNEXPLAINED, is_at_noise
 from crashkit.diagnose.experiment import experiment
 from crashkit.diagnose.finding import estimates, make_finding, stand_ins
 from crashkit.diagnose.fits import curves_of, fit_of, is_misleading, predict
@@ -37,6 +37,8 @@ BELIEVED, INCOMPLETE = 0.97, 0.5
 runs speak against: of 166 findings of unseen cases with at least 0.99, 97 % were there, and of 36 claims that left something
 21; of six that the held-out runs spoke against, one. The evidence only compares what was tried."""
 WORTH_TELLING = 1e-4
+PLAIN = 0.9
+"""Probability of a finding from which no other claim need be asked for in its place."""
 
 
 @one_thread
@@ -63,8 +65,8 @@ def diagnose(
     rehearsed = workshop.rehearsed(model, [*recordings.values(), *holdout.values()])
     equipped, discovery = _explained(rehearsed, model, recordings, limit)
     if not limit.is_over and holdout and _contradicted(equipped, discovery, model, recordings, holdout):
-        rivals = _leading(discovery)
-        again, together = _explained(rehearsed, model, {**recordings, **holdout}, limit, rivals)
+        looks = _leading(discovery)
+        again, together = _explained(rehearsed, model, {**recordings, **holdout}, limit, looks)
         if not limit.is_over:
             return nothing_predicted(_told(again, together, {}), tuple(holdout))
     told = _told(equipped, discovery, holdout)
@@ -76,12 +78,12 @@ def _explained(
     model: Model,
     recordings: Mapping[str, xr.DataTree],
     progress: TimeLimit,
-    rivals: Sequence[Rival] = (),
+    looks: Sequence[Round] = (),
 ) -> tuple[Workshop, Discovery]:
     """What these recordings say that the model leaves out, and the workshop with the steps that they need.
 
     Arguments:
-        rivals: of an answer that these recordings contradict; they are asked first.
+        looks: that led to an answer which these recordings contradict; what they say is asked first.
     """
     progress.show("re-identifying the model", 0.0)
     given = equipped.first_misfit(model, thinned_by(equipped, recordings, model)).with_prior(ROUGHLY)
@@ -92,7 +94,7 @@ def _explained(
     # Numbers far from what the user gave make up for physics: what they ask of the rate, the structure does not.
     if base.misfit.departure(base.point) <= STRAINED:
         base = sharpened(equipped, model, recordings, base)
-    discovery = _discovered(equipped, model, recordings, given, base, rivals, progress)
+    discovery = _discovered(equipped, model, recordings, given, base, looks, progress)
     progress.show("refining", 0.0)
     discovery = beside_twins(equipped, discovery)
     return equipped, _refined(equipped, discovery, model, recordings)
@@ -104,21 +106,21 @@ def _discovered(
     recordings: Mapping[str, xr.DataTree],
     given: Misfit,
     base: Search,
-    rivals: Sequence[Rival],
+    looks: Sequence[Round],
     progress: TimeLimit,
 ) -> Discovery:
     """What is found in time; where that outruns the recordings as they were thinned, by finer ones."""
     nothing = Discovery(base.fitted(), base.fitted(), base)
     at_pace = evolve(workshop, recorded=recordings)
     try:
-        return in_time(nothing, discover, at_pace, base.misfit.with_values_of(given), base, rivals, progress)
+        return in_time(nothing, discover, at_pace, base.misfit.with_values_of(given), base, looks, progress)
     except OutrunError as outrun:
         found = outrun.found
     thin = in_the_light_of(workshop, model, recordings, found.search.fitted())
     base = begin(workshop.identifier, thin.with_values(base.misfit.values(base.point))).advance(STEPS)
     alone = Round((found,), (1.0,), 0.0, base.fitted())
     so_far = Discovery(base.fitted(), found.search.fitted(), found.search, (alone,))
-    return in_time(so_far, discover, workshop, base.misfit.with_values_of(given), base, [found], progress)
+    return in_time(so_far, discover, workshop, base.misfit.with_values_of(given), base, (alone,), progress)
 
 
 def _contradicted(
@@ -169,10 +171,11 @@ def _refined(workshop: Workshop, discovery: Discovery, model: Model, recordings:
     return evolve(discovery, base=base, final=final, search=searches[1].unbelieving(), rounds=rounds, last=last)
 
 
-def _leading(discovery: Discovery) -> Sequence[Rival]:
-    """What a held-out run that contradicts a discovery should be asked for first: the rivals of its one look."""
+def _leading(discovery: Discovery) -> Sequence[Round]:
+    """The looks that a held-out run which contradicts a discovery should be asked for first: its only one, or all where each
+    finding was plain."""
     looks = discovery.rounds or ((discovery.last,) if discovery.last else ())
-    return looks[0].rivals if len(looks) == 1 else ()
+    return looks if len(looks) == 1 or all(look.probabilities[0] > PLAIN for look in looks) else ()
 
 
 def _is_worthless(rounds: Sequence[Round], base: Misfit, final: Misfit) -> bool:

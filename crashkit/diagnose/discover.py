@@ -8,7 +8,7 @@ from attrs import evolve
 from crashkit.diagnose.aside import CLOCK, Suspect, late_clocks, on_time, suspects, without
 from crashkit.diagnose.consistency import by_run, check_instruments
 from crashkit.diagnose.contest import Progress, propose_all
-from crashkit.diagnose.evidence import FLOOR, Rival, probabilities, ranked_by_evidence
+from crashkit.diagnose.evidence import FLOOR, probabilities, ranked_by_evidence
 from crashkit.diagnose.explore import beside_reading, discovered
 from crashkit.diagnose.in_time import in_time
 from crashkit.diagnose.look import Round, look_again
@@ -16,7 +16,7 @@ from crashkit.diagnose.rebuild import rebuild
 from crashkit.diagnose.reidentify import reidentify
 from crashkit.diagnose.rounds import Discovery
 from crashkit.diagnose.search import STEPS, Search, begin
-from crashkit.diagnose.second_best import second_best
+from crashkit.diagnose.second_best import asked_first
 from crashkit.diagnose.settle import settled
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
@@ -24,15 +24,15 @@ from crashkit.model import Model
 from crashkit.protocols import Proposal
 
 
-def discover(workshop: Workshop, given: Misfit, base_search: Search, rivals: Sequence[Rival], progress: Progress) -> Discovery:
+def discover(workshop: Workshop, given: Misfit, base_search: Search, looks: Sequence[Round], progress: Progress) -> Discovery:
     """All findings that the evidence supports, each in the light of the others.
 
     Arguments:
         given: the misfit of the model at the values that the user gave.
         base_search: its best fit.
-        rivals: that are asked first, if there are any.
+        looks: whose claims are asked first, if there are any.
     """
-    found = second_best(workshop, given, base_search, rivals, progress)
+    found = asked_first(workshop, given, base_search, looks, progress)
     if found is not None:
         return found
     checks = check_instruments(by_run(given))

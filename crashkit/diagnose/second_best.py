@@ -1,4 +1,4 @@
-"""A further run contradicts what was found: what came second may explain it."""
+"""A further run contradicts what was found: what came second may explain it, or what was found in other forms."""
 
 from collections.abc import Sequence
 
@@ -6,8 +6,8 @@ from attrs import evolve
 
 from crashkit.diagnose.contest import Progress
 from crashkit.diagnose.evidence import Rival, best_forms, explains, probabilities, ranked_by_evidence, rival_of
-from crashkit.diagnose.forms import in_all_forms
-from crashkit.diagnose.look import Round, is_unknown, look_again
+from crashkit.diagnose.forms import in_all_forms, in_best_forms
+from crashkit.diagnose.look import Round, between, is_unknown, look_again
 from crashkit.diagnose.name import again
 from crashkit.diagnose.rebuild import rebuild
 from crashkit.diagnose.rounds import Discovery, followed
@@ -19,15 +19,45 @@ MOST = 3
 """How many rivals are tried, the contradicted one among them: its other forms may explain more."""
 
 
-def second_best(
-    workshop: Workshop, given: Misfit, base_search: Search, rivals: Sequence[Rival], progress: Progress
+def asked_first(
+    workshop: Workshop, given: Misfit, base_search: Search, looks: Sequence[Round], progress: Progress
 ) -> Discovery | None:
-    """The most evident of the named rivals in its best form, if it explains everything and nothing convinces beside it.
+    """What these looks say of all runs, if it explains everything: the rivals of a single one, or the findings of several in
+    other forms.
 
     Arguments:
         base_search: the best fit of the model without them, to all runs.
-        rivals: as they were ranked without the run that contradicts the first.
+        looks: as they were made without the run that contradicts the answer.
     """
+    if len(looks) > 1:
+        return _in_other_forms(workshop, base_search, looks, progress)
+    rivals = [rival for look in looks for rival in look.rivals]
+    return _second_best(workshop, given, base_search, rivals, progress)
+
+
+def _in_other_forms(workshop: Workshop, base_search: Search, looks: Sequence[Round], progress: Progress) -> Discovery | None:
+    claims = [look.rivals[0] for look in looks]
+    search = rebuild(workshop, base_search, claims, claims[-1].search)
+    if search is None:
+        return None
+    rounds = [_with_all_runs(workshop, base_search, look, claims, search) for look in looks]
+    rounds, search = in_best_forms(workshop, base_search, rounds, search, progress)
+    return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds)) if explains(search) else None
+
+
+def _with_all_runs(workshop: Workshop, base_search: Search, look: Round, claims: Sequence[Rival], search: Search) -> Round:
+    """The look with its finding alone, fitted to all runs beside the others."""
+    finding = look.rivals[0]
+    others = [claim for claim in claims if claim is not finding]
+    without = rebuild(workshop, base_search, others, search) or base_search
+    again = rival_of(finding.proposal, search, without.deviance)
+    return between(evolve(look, before=without.fitted(), couples=()), [again])
+
+
+def _second_best(
+    workshop: Workshop, given: Misfit, base_search: Search, rivals: Sequence[Rival], progress: Progress
+) -> Discovery | None:
+    """The most evident of the named rivals in its best form, if it explains everything and nothing convinces beside it."""
     known = [rival for rival in rivals if not is_unknown(rival)][:MOST]
     fitted = [one for rival in known for one in _fitted(workshop, given, base_search, rival, progress)]
     if not fitted:

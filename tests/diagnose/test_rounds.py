@@ -64,15 +64,17 @@ def test_what_all_samples_do_not_pay_for_is_worthless(offered):
         assert _is_worthless((look,), base.fitted(), final.fitted()) is worthless
 
 
-def test_a_run_that_contradicts_is_asked_for_the_rivals_of_the_one_look(offered):
-    """Also where that look's finding was dropped; of several looks none knows what stands beside its finding."""
+def test_a_run_that_contradicts_is_asked_for_what_was_found_before_everything(offered):
+    """For the rivals of a single look, also where its finding was dropped; for several findings if each was plain."""
     look, base, _ = offered(800.0)
-    one, none, two = (
+    doubtful = evolve(look, probabilities=(0.6,))
+    one, none, two, other = (
         Discovery(base.fitted(), base.fitted(), base, rounds, last)
-        for rounds, last in (((look,), None), ((), look), ((look, look), None))
+        for rounds, last in (((look,), None), ((), look), ((look, look), None), ((look, doubtful), None))
     )
-    assert _leading(one) == _leading(none) == look.rivals
-    assert _leading(two) == _leading(evolve(none, last=None)) == ()
+    assert _leading(one) == _leading(none) == (look,)
+    assert _leading(two) == (look, look)
+    assert _leading(other) == _leading(evolve(none, last=None)) == ()
 
 
 def test_the_price_of_a_table_is_that_of_its_heights(misfit, model, recorded):
