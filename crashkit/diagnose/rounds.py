@@ -6,11 +6,11 @@ from attrs import field, frozen
 
 from crashkit.diagnose.contest import Progress
 from crashkit.diagnose.courses import Pointer
-from crashkit.diagnose.evidence import FLOOR, Rival
+from crashkit.diagnose.evidence import FLOOR, UNEXPLAINED, Rival, explains, ranked_by_evidence
 from crashkit.diagnose.exchange import exchanged
-from crashkit.diagnose.forms import in_best_forms
+from crashkit.diagnose.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.in_time import in_time
-from crashkit.diagnose.look import Round, is_unknown, look_again
+from crashkit.diagnose.look import Round, between, is_unknown, look_again
 from crashkit.diagnose.rebuild import rebuild
 from crashkit.diagnose.result import place_of
 from crashkit.diagnose.search import Search
@@ -21,6 +21,8 @@ from crashkit.misfit import Misfit
 from crashkit.model import Model
 
 MOST_FINDINGS = 3
+HALF = 0.5
+"""Of what is left above the noise: a claim that leaves more has hardly found its form."""
 NEEDED = 100.0
 """Chi squared that the loss of a finding must cost for it to be plainly needed."""
 TIE = 10.0
@@ -67,10 +69,42 @@ def followed(
         if further is None:
             break
         look = further
+        completed = in_time(None, _completed, workshop, given, base_search, rounds, search, look, progress)
+        if completed is not None:
+            rounds, search = completed
+            break
     if len(rounds) > 1:
         rounds, search = in_time((rounds, search), _questioned, workshop, given, base_search, rounds, search, look, progress)
     last = look if look.winner is None else None
     return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds), last), look
+
+
+def _completed(
+    workshop: Workshop,
+    given: Misfit,
+    base_search: Search,
+    rounds: Sequence[Round],
+    search: Search,
+    look: Round,
+    progress: Progress,
+) -> tuple[list[Round], Search] | None:
+    """The findings and the best known claim of a look that convinced of none, if together, each in its best form, they leave
+    nothing; None if not.
+
+    Beside a gross effect a second one in a form that is off explains too little to convince.
+    """
+    found = [one.rivals[0] for one in rounds]
+    known = {place_of(rival.proposal.location) for rival in found}
+    claim = next((rival for rival in look.rivals if not is_unknown(rival)), None)
+    if look.winner is not None or claim is None or search.normalised < UNEXPLAINED:
+        return None
+    if place_of(claim.proposal.location) in known or claim.search.excess > HALF * search.excess:
+        return None
+    forms = ranked_by_evidence(in_all_forms(workshop, base_search, claim, found, claim.search), search.deviance)
+    best = max([claim, *forms], key=lambda rival: rival.evidence)
+    tried = settled(workshop, given, between(look, [best]), best, found, progress)
+    more, end = in_best_forms(workshop, base_search, [*rounds, tried], tried.rivals[0].search, progress)
+    return (more, end) if explains(end) else None
 
 
 def _questioned(

@@ -174,3 +174,40 @@ def test_a_claim_after_which_nothing_is_left_need_not_explain_as_much_either(off
     """Where plainly something was left before."""
     look, _, _ = offered(damping)
     assert (evolve(look, least=least * abs(look.rivals[0].drop)).winner is not None) == convinces
+
+
+def claimed(physics, joint, normalised, form=""):
+    """A rival that leaves so much of a thousand samples, of which 3.0 times the noise were left before."""
+    misfit = SimpleNamespace(independent_samples=1000.0)
+    search = SimpleNamespace(normalised=normalised, excess=normalised**2 - 1.0, deviance=1e3 * normalised**2, misfit=misfit)
+    drop = 9e3 - search.deviance
+    return Rival(Proposal(physics, form, {"joint": joint}, None, ("a",), {}), search, drop, 0.5 * drop)
+
+
+@pytest.fixture
+def completed(monkeypatch):
+    """Whether a claim of a look is told beside tension in the first joint, if the form that suits it leaves `then`."""
+
+    def ask(claim, then, nothing=1.0):
+        formed = claimed(claim.proposal.physics, claim.proposal.location["joint"], then, "formed")
+        monkeypatch.setattr(questioned, "in_all_forms", lambda *_: [(formed.proposal, formed.search)])
+        monkeypatch.setattr(questioned, "settled", lambda workshop, given, look, *_: look)
+        monkeypatch.setattr(questioned, "in_best_forms", lambda workshop, base, rounds, search, progress: (rounds, search))
+        monkeypatch.setattr(questioned, "explains", lambda search: search.normalised < 1.02)
+        found = Round((claimed("tension", "first", 3.0),), (1.0,), 0.0, None)
+        table = claimed("unknown", "second", 1.5)
+        look = Round((table, claim), (0.5, 0.5), nothing, None, least=1e6)
+        return questioned._completed(None, None, None, [found], found.rivals[0].search, look, silent)
+
+    return ask
+
+
+def test_a_second_cause_that_leaves_nothing_in_its_best_form_is_told_though_it_convinced_in_none_yet(completed):
+    rounds, search = completed(claimed("fracture", "second", 1.7), then=1.01)
+    assert [look.rivals[0].proposal.form for look in rounds] == ["", "formed"]
+    assert search.normalised == 1.01
+
+
+@pytest.mark.parametrize(("joint", "left", "then"), [("second", 1.7, 1.1), ("second", 2.5, 1.01), ("first", 1.7, 1.01)])
+def test_what_leaves_something_or_hardly_less_or_corrects_the_first_is_not(completed, joint, left, then):
+    assert completed(claimed("fracture", joint, left), then) is None
