@@ -35,7 +35,7 @@ def discovered(workshop: Workshop, given: Misfit, base_search: Search, progress:
     """All findings that the evidence supports, each in the light of the others.
 
     From the re-identified numbers first: where one cause in its best form explains everything from there, or all but what no
-    further finding could be told for, no wider search is made.
+    further finding could be told for, or two causes do, no wider search is made.
 
     Arguments:
         given: the misfit of the model at the values that the user gave.
