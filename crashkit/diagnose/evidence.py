@@ -23,7 +23,9 @@ IMITATING, REACHING = 0.85, 1.09
 """The same of a table that anything is imitated by, and the normalised residual below which it does more than imitate."""
 TENTH = 0.1
 """Of what the best known claim leaves above the noise: nor does one that leaves less than that only imitate."""
-OF_DEFORMATION = ("deformation", "deformation, both ways", "deformation, at a distance", "travel")
+FROM_AFAR = "deformation, at a distance"
+"""Form of a table that imitates more than laws of the deformation, as a joint that pulls: to reach the noise says little."""
+OF_DEFORMATION = ("deformation", "deformation, both ways", FROM_AFAR, "travel")
 IN_TIME = "time"
 """Forms of such tables: most known laws are of the deformation, and in a single run each is a force of the time. In several,
 a force of the deformation comes at another time in each."""
@@ -86,7 +88,8 @@ def _credit(proposal: Proposal, search: Search, known: float) -> float:
     if proposal.physics != UNKNOWN:
         return 1.0
     imitates = proposal.form in OF_DEFORMATION or (proposal.form == IN_TIME and len(search.misfit.recordings) == 1)
-    reaches = search.normalised < REACHING or search.excess < TENTH * known
+    reaches = search.normalised < REACHING and proposal.form != FROM_AFAR
+    reaches = reaches or search.excess < TENTH * known
     return IMITATING if imitates and not reaches else GENUINE
 
 

@@ -48,3 +48,12 @@ def test_of_two_estimates_at_one_place_the_one_that_fits_is_told_with_the_eviden
     assert ranked[0].proposal is of_time
     (claim,) = best_forms(ranked)
     assert (claim.proposal.form, claim.evidence) == (told, ranked[0].evidence)
+
+
+@pytest.mark.parametrize(("form", "told"), [("deformation", "unknown"), ("deformation, at a distance", "tension")])
+def test_a_table_that_acts_from_afar_imitates_though_it_reaches_the_noise(form, told):
+    """A joint that pulls up to a limit, as a line: 1.08 times the noise."""
+    table = Proposal("unknown", form, {"joint": "front"}, None, ("heights",) * 24, {})
+    line = Proposal("tension", "own line", {"joint": "front"}, None, ("tension",), {})
+    ranked = ranked_by_evidence([(table, left(5100.0, 3)), (line, left(5800.0, 3))], 1e4)
+    assert ranked[0].proposal.physics == told
