@@ -6,6 +6,7 @@ from functools import partial
 from attrs import evolve
 
 from crashkit.diagnose.aside import CLOCK, Suspect, late_clocks, on_time, suspects, without
+from crashkit.diagnose.asked_first import asked_first
 from crashkit.diagnose.consistency import by_run, check_instruments
 from crashkit.diagnose.contest import Progress, propose_all
 from crashkit.diagnose.evidence import FLOOR, probabilities, ranked_by_evidence
@@ -16,7 +17,6 @@ from crashkit.diagnose.rebuild import rebuild
 from crashkit.diagnose.reidentify import reidentify
 from crashkit.diagnose.rounds import Discovery
 from crashkit.diagnose.search import STEPS, Search, begin
-from crashkit.diagnose.second_best import asked_first
 from crashkit.diagnose.settle import settled
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit

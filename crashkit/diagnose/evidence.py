@@ -88,8 +88,7 @@ def _credit(proposal: Proposal, search: Search, known: float) -> float:
     if proposal.physics != UNKNOWN:
         return 1.0
     imitates = proposal.form in OF_DEFORMATION or (proposal.form == IN_TIME and len(search.misfit.recordings) == 1)
-    reaches = search.normalised < REACHING and proposal.form != FROM_AFAR
-    reaches = reaches or search.excess < TENTH * known
+    reaches = search.excess < TENTH * known or (search.normalised < REACHING and proposal.form != FROM_AFAR)
     return IMITATING if imitates and not reaches else GENUINE
 
 

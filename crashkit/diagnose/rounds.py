@@ -102,7 +102,8 @@ def _completed(
         return None
     forms = ranked_by_evidence(in_all_forms(workshop, base_search, claim, found, claim.search), search.deviance)
     best = max([claim, *forms], key=lambda rival: rival.evidence)
-    tried = settled(workshop, given, between(look, [best]), best, found, progress)
+    others = [rival for rival in look.rivals if rival.identity != best.identity]
+    tried = settled(workshop, given, between(look, [best, *others]), best, found, progress)
     more, end = in_best_forms(workshop, base_search, [*rounds, tried], tried.rivals[0].search, progress)
     return (more, end) if explains(end) else None
 

@@ -205,6 +205,7 @@ def completed(monkeypatch):
 def test_a_second_cause_that_leaves_nothing_in_its_best_form_is_told_though_it_convinced_in_none_yet(completed):
     rounds, search = completed(claimed("fracture", "second", 1.7), then=1.01)
     assert [look.rivals[0].proposal.form for look in rounds] == ["", "formed"]
+    assert [rival.proposal.physics for rival in rounds[1].rivals] == ["fracture", "unknown"]
     assert search.normalised == 1.01
 
 

@@ -3,11 +3,11 @@
 import pytest
 from attrs import evolve
 
+from crashkit.diagnose.asked_first import asked_first
 from crashkit.diagnose.contest import propose_all
 from crashkit.diagnose.evidence import rival_of
 from crashkit.diagnose.look import Round
 from crashkit.diagnose.search import begin
-from crashkit.diagnose.second_best import asked_first
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_joint
 

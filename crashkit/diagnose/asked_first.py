@@ -36,6 +36,7 @@ def asked_first(
 
 
 def _in_other_forms(workshop: Workshop, base_search: Search, looks: Sequence[Round], progress: Progress) -> Discovery | None:
+    """The same findings, fitted to all runs, in the forms that suit these."""
     claims = [look.rivals[0] for look in looks]
     search = rebuild(workshop, base_search, claims, claims[-1].search)
     if search is None:
