@@ -2,7 +2,9 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 
+import numpy as np
 import xarray as xr
 from attrs import evolve
 
@@ -134,21 +136,24 @@ def _contradicted(
 
     A prediction may also be off because the fitted runs do not tell a number, or because a form is off that leaves something
     in them too: neither says that anything else is missing. Where nothing was found there is no form, and more than chance
-    leaves says that something is.
+    leaves says that something is. Of a finding, only channels whose noise is told are witnesses.
     """
     final = discovery.final
     workshop = workshop.equipped([final.model])
     unseen = weighed_alike(workshop.first_misfit(final.model, holdout), final)
-    told = all(channel.noise.trusted for channel in final.channels)
-    if (discovery.rounds and not told) or _normalised(final) > FLOOR or _normalised(unseen) < UNEXPLAINED:
+    normalised = partial(_normalised, told_only=bool(discovery.rounds))
+    if normalised(final) > FLOOR or normalised(unseen) < UNEXPLAINED:
         return False
     both = in_the_light_of(workshop, model, {**recordings, **holdout}, final)
     together = refine(workshop.identifier, workshop.misfit(both, final.model))
-    return together.normalised > UNEXPLAINED if discovery.rounds else not is_at_noise(together)
+    return normalised(together.fitted()) > UNEXPLAINED if discovery.rounds else not is_at_noise(together)
 
 
-def _normalised(misfit: Misfit) -> float:
-    return fit_of(misfit, predict(misfit)).normalised_rmse
+def _normalised(misfit: Misfit, told_only: bool) -> float:
+    """Residual over noise at the misfit's own values, of all channels or of those whose noise is told; 0 where there are none."""
+    channels = fit_of(misfit, predict(misfit)).channels
+    counts = channels["independent_samples"].values * [one.noise.trusted or not told_only for one in misfit.channels]
+    return float(np.sqrt(np.sum(channels["normalised_rmse"].values ** 2 * counts) / max(counts.sum(), 1e-9)))
 
 
 def _refined(workshop: Workshop, discovery: Discovery, model: Model, recordings: Mapping[str, xr.DataTree]) -> Discovery:
