@@ -7,7 +7,7 @@ import xarray as xr
 from attrs import evolve
 from scipy.integrate import cumulative_trapezoid
 
-from crashkit.diagnose.fits import fit_of, predict
+from crashkit.diagnose.show.fits import fit_of, predict
 from crashkit.errors import SimulationError
 from crashkit.mechanics.along import forces_along
 from crashkit.misfit import Misfit

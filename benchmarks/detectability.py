@@ -19,7 +19,7 @@ from attrs import frozen
 from benchmarks import Row
 from benchmarks.blind.score import score
 from benchmarks.blind.trial import diagnosed, read_diagnosis
-from crashkit.diagnose.name import SEEN
+from crashkit.diagnose.name.rivals import SEEN
 from crashkit.testing.concealed import EFFECTS, make_case, write_case
 from crashkit.testing.concealed.sensor_effects import SENSOR_EFFECTS
 

@@ -25,7 +25,7 @@ from benchmarks._sparse import sparse_regression
 from benchmarks.blind.score import score
 from benchmarks.blind.trial import diagnosed, read_diagnosis
 from crashkit.api import load_model, load_recordings
-from crashkit.diagnose.fits import fit_of, predict
+from crashkit.diagnose.show.fits import fit_of, predict
 from crashkit.errors import SimulationError
 from crashkit.misfit import Misfit
 from crashkit.misfit.predictor import Prediction

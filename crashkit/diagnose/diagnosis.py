@@ -9,36 +9,26 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.campaign import one_thread
-from crashkit.diagnose.consistency import by_run, check_instruments
-from crashkit.diagnose.contest import Progress
-from crashkit.diagnose.discover import discover
-from crashkit.diagnose.evidence import FLOOR, STRAINED, UNEXPLAINED, is_at_noise
-from crashkit.diagnose.experiment import experiment
-from crashkit.diagnose.finding import estimates, make_finding, stand_ins
-from crashkit.diagnose.fits import curves_of, fit_of, is_misleading, predict
-from crashkit.diagnose.foretold import foretold
-from crashkit.diagnose.in_time import TimeLimit, in_time
-from crashkit.diagnose.look import Round
-from crashkit.diagnose.needed import needed, price, run_drops
-from crashkit.diagnose.reidentify import refine, reidentify
-from crashkit.diagnose.result import UNKNOWN, Alternative, Diagnosis, Finding, Fit, place_of
-from crashkit.diagnose.rounds import Discovery
-from crashkit.diagnose.search import STEPS, Search, begin
-from crashkit.diagnose.sharpen import ROUGHLY, OutrunError, in_the_light_of, sharpened, weighed_alike
-from crashkit.diagnose.show import action_of, identified_table, limits_table, missing_force_tree, ranking_table, units_of
-from crashkit.diagnose.thinning import thinned_by
-from crashkit.diagnose.twins import beside_twins
-from crashkit.diagnose.words import cut_short, noted, nothing_predicted, summarise
+from crashkit.diagnose.fitting.contest import Progress
+from crashkit.diagnose.fitting.evidence import FLOOR, STRAINED, UNEXPLAINED, is_at_noise
+from crashkit.diagnose.fitting.in_time import TimeLimit, in_time
+from crashkit.diagnose.fitting.reidentify import refine, reidentify
+from crashkit.diagnose.fitting.search import STEPS, Search, begin
+from crashkit.diagnose.fitting.sharpen import ROUGHLY, OutrunError, in_the_light_of, sharpened, weighed_alike
+from crashkit.diagnose.fitting.thinning import thinned_by
+from crashkit.diagnose.name.discover import discover
+from crashkit.diagnose.name.look import Round
+from crashkit.diagnose.name.needed import needed, price
+from crashkit.diagnose.name.rounds import Discovery
+from crashkit.diagnose.name.twins import beside_twins
+from crashkit.diagnose.result import Diagnosis
+from crashkit.diagnose.show.answer import answer
+from crashkit.diagnose.show.fits import fit_of, predict
+from crashkit.diagnose.show.words import cut_short, nothing_predicted
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit, fine_step
-from crashkit.model import Body, Model
-from crashkit.protocols import Identification
+from crashkit.model import Model
 
-BELIEVED, INCOMPLETE = 0.97, 0.5
-"""Shares of its probability with which a claim is told that explains everything, and one that leaves more or that the held-out
-runs speak against: of 166 findings of unseen cases with at least 0.99, 97 % were there, and of 36 claims that left something
-21; of six that the held-out runs spoke against, one. The evidence only compares what was tried."""
-WORTH_TELLING = 1e-4
 PLAIN = 0.9
 """Probability of a finding from which no other claim need be asked for in its place."""
 
@@ -70,8 +60,8 @@ def diagnose(
         looks = _leading(discovery)
         again, together = _explained(rehearsed, model, {**recordings, **holdout}, limit, looks)
         if not limit.is_over:
-            return nothing_predicted(_told(again, together, {}), tuple(holdout))
-    told = _told(equipped, discovery, holdout)
+            return nothing_predicted(answer(again, together, {}), tuple(holdout))
+    told = answer(equipped, discovery, holdout)
     return cut_short(told, seconds) if limit.is_over else told
 
 
@@ -150,7 +140,7 @@ def _contradicted(
 
 
 def _normalised(misfit: Misfit, told_only: bool) -> float:
-    """Residual over noise at the misfit's own values, of all channels or of those whose noise is told; 0 where there are none."""
+    """Residual over noise at the misfit's own values, of all channels or of those whose noise is told; 0 if there are none."""
     channels = fit_of(misfit, predict(misfit)).channels
     counts = channels["independent_samples"].values * [one.noise.trusted or not told_only for one in misfit.channels]
     return float(np.sqrt(np.sum(channels["normalised_rmse"].values ** 2 * counts) / max(counts.sum(), 1e-9)))
@@ -187,115 +177,3 @@ def _is_worthless(rounds: Sequence[Round], base: Misfit, final: Misfit) -> bool:
     """Whether all samples together show less than the findings cost: then these explained what thinning had left."""
     before, after = (misfit.deviance(misfit.residual(misfit.start())) for misfit in (base, final))
     return before - after < sum(price(look.rivals[0].proposal, final) for look in rounds)
-
-
-def _told(workshop: Workshop, discovery: Discovery, holdout: Mapping[str, xr.DataTree]) -> Diagnosis:
-    base, final = discovery.base, discovery.final
-    equipped = workshop.equipped([base.model, final.model])
-    unseen = tuple(weighed_alike(equipped.first_misfit(m.model, holdout), base) for m in (base, final)) if holdout else ()
-    fits, curves = _compared(base, final, unseen)
-    result = discovery.search.result()
-    explains = not _leaves_something(fits["calibration"]["after"], final)
-    belief = BELIEVED if explains and not is_misleading(fits["holdout"]) else INCOMPLETE
-    findings, missing = _findings(equipped, discovery, result, unseen, belief)
-    verdict = _verdict(findings, explains)
-    consistency = check_instruments(by_run(base))
-    identified = identified_table(discovery, result, units_of(final.model, final.groups, workshop))
-    detectable = limits_table(workshop, discovery)
-    return Diagnosis(
-        verdict=verdict,
-        summary=summarise(verdict, findings, fits, consistency, detectable),
-        findings=findings,
-        base_model=base.model,
-        augmented_model=final.model,
-        fits=fits,
-        curves=curves,
-        missing_force=missing,
-        ranking=ranking_table(discovery),
-        consistency=consistency,
-        identified=identified,
-        notes=noted(discovery, result, fits),
-        detectable=detectable,
-    )
-
-
-def _compared(base: Misfit, final: Misfit, unseen: tuple[Misfit, ...]) -> tuple[dict[str, dict[str, Fit]], xr.DataTree]:
-    sets = {"calibration": (base, final)} | ({"holdout": unseen} if unseen else {})
-    fits: dict[str, dict[str, Fit]] = {"calibration": {}, "holdout": {}}
-    curves: dict[str, xr.Dataset] = {}
-    for name, pair in sets.items():
-        predictions = predict(pair[0]), predict(pair[1])
-        fits[name] = {when: fit_of(m, p) for when, m, p in zip(("before", "after"), pair, predictions, strict=True)}
-        curves |= curves_of(pair[0], pair[1], predictions, holdout=name == "holdout")
-    if unseen:
-        expected, untold = foretold(final, unseen[1], ROUGHLY)
-        fits["holdout"]["after"] = evolve(fits["holdout"]["after"], expected_rmse=expected, untold=untold)
-    return fits, xr.DataTree.from_dict(curves)
-
-
-def _findings(
-    workshop: Workshop, discovery: Discovery, identified: Identification, unseen: tuple[Misfit, ...], belief: float
-) -> tuple[tuple[Finding, ...], xr.DataTree]:
-    units = units_of(discovery.final.model, discovery.final.groups, workshop)
-    told: list[tuple[Finding, dict[str, xr.Dataset]]] = []
-    for look in discovery.rounds:
-        rival = look.rivals[0]
-        action = action_of(workshop, discovery.final, look.before, rival, unseen)
-        kind = workshop.hypotheses[rival.proposal.physics]
-        finding = make_finding(
-            rival,
-            kind,
-            estimates(rival, identified, units),
-            belief * look.probabilities[0],
-            _alternatives(look, belief),
-            {run: one for run, one in action.items() if not one.attrs["holdout"]},
-            run_drops(look.before, rival.search.fitted()),
-            max(float(group.times[-1]) for group in discovery.final.groups),
-        )
-        told.append((_with_experiment(finding, look, discovery.base.model.bodies), action))
-    if discovery.search.normalised > FLOOR and UNKNOWN in workshop.hypotheses:
-        told = _imitations_told(told, workshop.hypotheses[UNKNOWN].sentence)
-    trees = {f"{number}/{run}": one for number, (_, action) in enumerate(told) for run, one in action.items()}
-    return tuple(finding for finding, _ in told), missing_force_tree(trees)
-
-
-def _imitations_told(
-    told: list[tuple[Finding, dict[str, xr.Dataset]]], sentence: str
-) -> list[tuple[Finding, dict[str, xr.Dataset]]]:
-    """Findings at one place become one, with the force of the first."""
-    places = dict.fromkeys(place_of(finding.location) for finding, _ in told)
-    together = [[one for one in told if place_of(one[0].location) == place] for place in places]
-    return [some[0] if len(some) == 1 else (stand_ins([f for f, _ in some], sentence), some[0][1]) for some in together]
-
-
-def _alternatives(look: Round, belief: float) -> list[Alternative]:
-    """The other claims, as far as they are worth telling."""
-    others = zip(look.rivals[1:], look.probabilities[1:], strict=True)
-    return [
-        Alternative(r.proposal.physics, r.proposal.form, dict(r.proposal.location), belief * p)
-        for r, p in others
-        if p > WORTH_TELLING
-    ]
-
-
-def _with_experiment(finding: Finding, look: Round, bodies: Sequence[Body]) -> Finding:
-    """The finding with the test that would tell it from its strongest rival, if that is worth telling."""
-    if len(look.rivals) < 2 or look.probabilities[1] < WORTH_TELLING:
-        return finding
-    first, second = look.rivals[:2]
-    name = f"{second.proposal.physics} at {place_of(second.proposal.location)}"
-    return evolve(finding, experiment=experiment(first.search.fitted(), second.search.fitted(), name, bodies))
-
-
-def _verdict(findings: tuple[Finding, ...], explains: bool) -> str:
-    named = [f for f in findings if f.physics != UNKNOWN]
-    if any("joint" in f.location or "body" in f.location or "bodies" in f.location for f in named):
-        return "missing_physics"
-    if findings:
-        return "unexplained" if len(named) < len(findings) else "sensor_fault"
-    return "consistent" if explains else "unexplained"
-
-
-def _leaves_something(after: Fit, final: Misfit) -> bool:
-    """Whether the final model stays above a noise that is known."""
-    return all(channel.noise.trusted for channel in final.channels) and after.normalised_rmse > UNEXPLAINED

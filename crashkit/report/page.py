@@ -12,7 +12,7 @@ from attrs import frozen
 from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 from plotly.offline import get_plotlyjs
 
-from crashkit.diagnose.evidence import FLOOR
+from crashkit.diagnose.fitting.evidence import FLOOR
 from crashkit.diagnose.result import Diagnosis, Finding, place_of
 from crashkit.report import words
 from crashkit.report.channels import UNRATED, ChannelCurves, ChannelFit, channels_of, fits_of

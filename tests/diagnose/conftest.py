@@ -7,9 +7,9 @@ from attrs import evolve
 
 from crashkit.api import workshop as installed
 from crashkit.diagnose import Workshop
-from crashkit.diagnose.evidence import Rival
-from crashkit.diagnose.look import Round
-from crashkit.diagnose.search import begin
+from crashkit.diagnose.fitting.evidence import Rival
+from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.name.look import Round
 from crashkit.mechanics import Simulator
 from crashkit.misfit import Misfit
 from crashkit.model import Joint, Model, Parameter

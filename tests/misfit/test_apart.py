@@ -6,7 +6,7 @@ from attrs import evolve
 from hypothesis import given
 from hypothesis import strategies as st
 
-from crashkit.diagnose.search import begin
+from crashkit.diagnose.fitting.search import begin
 from crashkit.mechanics import Simulator
 from crashkit.misfit import Misfit
 from crashkit.misfit.apart import kept_apart

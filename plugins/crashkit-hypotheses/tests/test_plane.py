@@ -6,7 +6,7 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.api import workshop as installed
-from crashkit.diagnose.search import begin
+from crashkit.diagnose.fitting.search import begin
 from crashkit.mechanics import Simulator, compile_engine, functions_of
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.model.checks import check_model

@@ -6,10 +6,10 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.api import workshop as installed
-from crashkit.diagnose.forms import in_best_forms
-from crashkit.diagnose.look import LEAST_DROP, Round
-from crashkit.diagnose.name import further_rivals, nearest_rivals
-from crashkit.diagnose.search import begin
+from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.name.forms import in_best_forms
+from crashkit.diagnose.name.look import LEAST_DROP, Round
+from crashkit.diagnose.name.rivals import further_rivals, nearest_rivals
 from crashkit.mechanics import Simulator
 from crashkit.model import Body, Joint, Parameter
 from crashkit.model.edit import with_body, with_factor, with_instrument_error, with_joint

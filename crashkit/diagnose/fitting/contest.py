@@ -1,0 +1,172 @@
+"""From many claims to the few that fit: a score for all, a quick search for the promising, long ones for those ahead."""
+
+import math
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import TypeVar
+
+from crashkit.campaign import spread
+from crashkit.diagnose.fitting.score import Score, score
+from crashkit.diagnose.fitting.search import Search, advance_all, begin, begin_all, weighed
+from crashkit.diagnose.fitting.square import Extended, tangent
+from crashkit.diagnose.result import UNKNOWN, place_of
+from crashkit.diagnose.workshop import Workshop
+from crashkit.errors import SimulationError
+from crashkit.misfit import Misfit
+from crashkit.protocols import Proposal
+
+Found = TypeVar("Found")
+Progress = Callable[[str, float], None]
+Start = tuple[Proposal, Mapping[str, float]]
+"""A proposal, and values by path to begin at."""
+Entrant = tuple[Proposal, Search]
+
+GROWING = (1 / 3, 2 / 3, 1.0)
+"""Shares of the time recorded that are looked at one after the other where a search begins far from the recordings."""
+SCOUTING = 5
+"""Steps of a quick search in each."""
+
+
+def identity(proposal: Proposal) -> tuple[str, str]:
+    """What a proposal claims, whatever its form: the physics and the place."""
+    return proposal.physics, place_of(proposal.location)
+
+
+def is_same(first: Proposal, second: Proposal) -> bool:
+    """Whether two proposals, perhaps built on different models, claim the same in the same form."""
+    return identity(first) == identity(second) and first.form == second.form
+
+
+def propose_all(workshop: Workshop, base: Misfit) -> list[Proposal]:
+    """Every hypothesis at every place of the model, in every form that can be fitted; none where it cannot be simulated, as
+    with numbers that only the equations of motion have led."""
+    values = {name: parameter.value for name, parameter in base.model.free_parameters().items()}
+    try:
+        motions = [base.predictor.motion(run, values) for run in base.recordings]
+    except SimulationError:
+        return []
+    return workshop.proposals(base.model, motions, list(base.recordings.values()))
+
+
+def scores(
+    workshop: Workshop, origin: Misfit, proposals: Sequence[Proposal], reference: float, progress: Progress
+) -> list[tuple[Proposal, Score]]:
+    """Of every proposal from each of its starts, the model's own parameters at their values in `origin`."""
+    known = tangent(origin, origin.start())
+
+    def scored(proposal: Proposal) -> list[Score | None]:
+        misfit = workshop.misfit(origin, proposal.model).with_values_of(origin)
+        extended = Extended(misfit, proposal.parameters, known)
+        return [score(proposal, start, extended, reference) for start in proposal.starts]
+
+    def told(done: int) -> None:
+        progress(f"scoring {proposals[done].physics} at {place_of(proposals[done].location)}", done / len(proposals))
+
+    found = zip(proposals, spread(scored, proposals, told), strict=True)
+    return [(proposal, one) for proposal, each in found for one in each if one is not None]
+
+
+def promising(scored: Sequence[tuple[Proposal, Score]], most: int, least: Callable[[Proposal], float]) -> list[Start]:
+    """The best starts of every form of every claim that promises the drop that is asked of it."""
+    hopeful = [(proposal, one) for proposal, one in scored if one.drop > least(proposal) or not proposal.null]
+    best = first_of_each(sorted(hopeful, key=lambda one: -one[1].drop), most)
+    return [(proposal, one.values) for proposal, one in best]
+
+
+def scouted(
+    workshop: Workshop,
+    origin: Misfit,
+    starts: Sequence[Start],
+    shares: Sequence[float],
+    most: int,
+    astray: float,
+    progress: Progress,
+) -> list[Entrant]:
+    """Searches from where quick ones at few instants end, of which the best go on.
+
+    Arguments:
+        shares: of the time recorded, looked at one after the other. Where they grow, a search seldom jumps over a threshold;
+            instruments have none.
+        most: how many go on.
+        astray: cost at few instants above which slices of time have led a search astray, and one of all the time is tried.
+    """
+    slices = [early for early in (origin.coarse.up_to(share) for share in shares) if early.groups]
+
+    def ahead_of(start: Start) -> tuple[Mapping[str, float], float]:
+        proposal, values = start
+        if workshop.hypotheses[proposal.physics].sensor or len(slices) == 1:
+            return _scout(workshop, proposal, values, slices[-1:])
+        end = _scout(workshop, proposal, values, slices)
+        if end[1] < astray:
+            return end
+        return min(end, _scout(workshop, proposal, values, slices[-1:] * 2), key=lambda one: one[1])
+
+    told = partial(_told, progress, [proposal for proposal, _ in starts])
+    found = zip(starts, spread(ahead_of, starts, told), strict=True)
+    ahead = sorted(((proposal, *end) for (proposal, _), end in found), key=lambda one: one[2])[:most]
+    misfits = [workshop.misfit(origin, proposal.model).with_values(values) for proposal, values, _ in ahead]
+    return list(zip((proposal for proposal, *_ in ahead), begin_all(workshop.identifier, misfits), strict=True))
+
+
+def _scout(
+    workshop: Workshop, proposal: Proposal, values: Mapping[str, float], route: Sequence[Misfit]
+) -> tuple[Mapping[str, float], float]:
+    """Where a quick search ends that takes one slice of the recordings after the other, and what it leaves there."""
+    for slice_ in route:
+        misfit = workshop.misfit(slice_, proposal.model).with_values(values)
+        search = begin(workshop.identifier, misfit).advance(SCOUTING)
+        values = misfit.values(search.point)
+    return values, search.state.cost
+
+
+def first_of_each(ranked: Sequence[tuple[Proposal, Found]], most: int) -> list[tuple[Proposal, Found]]:
+    """The best few of each claim in each form."""
+    seen: Counter[tuple[str, ...]] = Counter()
+    chosen = []
+    for one in ranked:
+        key = (*identity(one[0]), one[0].form)
+        seen[key] += 1
+        if seen[key] <= most:
+            chosen.append(one)
+    return chosen
+
+
+def heats(entrants: Sequence[Entrant], sizes: Sequence[tuple[int, int]], progress: Progress) -> list[Entrant]:
+    """Successive halving: a few steps for all, then many steps for the few that are ahead, weighed by what each leaves.
+
+    Arguments:
+        sizes: how many enter each heat, and how many steps each gets there.
+    """
+    for size, steps in sizes:
+        ahead = _ahead(entrants, size)
+        proposals = [proposal for proposal, _ in ahead]
+        told = partial(_told, progress, proposals)
+        entrants = list(zip(proposals, advance_all([search for _, search in ahead], steps, told), strict=True))
+    return list(zip((proposal for proposal, _ in entrants), weighed([search for _, search in entrants]), strict=True))
+
+
+def _ahead(entrants: Sequence[Entrant], size: int) -> list[Entrant]:
+    """The best of them; half the places are kept from estimated tables, whose many heights fit better than they explain.
+
+    Whatever its forms, one claim does not take all places: the best other one goes on, to be told as a rival.
+    """
+    ranked = sorted(entrants, key=_priced)
+    tables = [entrant for entrant in ranked if entrant[0].physics == UNKNOWN][: size // 2]
+    named = [entrant for entrant in ranked if entrant[0].physics != UNKNOWN]
+    chosen = named[: size - len(tables)]
+    if len({identity(proposal) for proposal, _ in chosen}) == 1:
+        leader = identity(chosen[0][0])
+        chosen += [entrant for entrant in named if identity(entrant[0]) != leader][:1]
+    return [*chosen, *tables]
+
+
+def _priced(entrant: Entrant) -> float:
+    """Cost with the price of the numbers that were added, as the evidence counts them: forms of one claim with more and more
+    numbers would take the places of a simpler one that explains as much."""
+    proposal, search = entrant
+    return search.state.cost + 0.5 * len(proposal.parameters) * math.log(search.misfit.independent_samples)
+
+
+def _told(progress: Progress, proposals: Sequence[Proposal], done: int) -> None:
+    progress(f"fitting {proposals[done].physics} at {place_of(proposals[done].location)}", done / len(proposals))

@@ -1,0 +1,35 @@
+"""The given model with some findings and without others, fitted again."""
+
+from collections.abc import Sequence
+
+from crashkit.diagnose.fitting.contest import is_same, propose_all
+from crashkit.diagnose.fitting.evidence import Rival
+from crashkit.diagnose.fitting.search import STEPS, Search, advance_all, begin, begin_all
+from crashkit.diagnose.workshop import Workshop
+from crashkit.misfit import Misfit
+
+
+def alone_again(search: Search, misfits: Sequence[Misfit]) -> Search:
+    """The model as it is, from where claims have moved its own numbers: one may have won by leaving a local optimum.
+
+    Arguments:
+        search: the best fit of the model so far.
+        misfits: of the model with one claim each, at their best fits.
+    """
+    begun = begin_all(search.identifier, [search.misfit.with_values_of(misfit) for misfit in misfits])
+    return min([search, *advance_all(begun, STEPS)], key=lambda one: one.deviance)
+
+
+def rebuild(workshop: Workshop, base_search: Search, rivals: Sequence[Rival], last: Search) -> Search | None:
+    """The given model with these findings, fitted, from the values that they were last given; None if one cannot be placed."""
+    search = base_search
+    for rival in rivals:
+        current = search.fitted()
+        proposal = next((p for p in propose_all(workshop, current) if is_same(p, rival.proposal)), None)
+        if proposal is None:
+            return None
+        found = {**rival.search.misfit.values(rival.search.point), **last.misfit.values(last.point)}
+        misfit = workshop.equipped([proposal.model]).misfit(current, proposal.model)
+        start = {name: found[name] for name in misfit.names if name in found}
+        search = begin(workshop.identifier, misfit.with_values(start)).advance(STEPS)
+    return search

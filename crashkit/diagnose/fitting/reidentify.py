@@ -1,0 +1,88 @@
+"""Re-identify first: the given model's own parameters, fitted to all calibration runs together."""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from crashkit.campaign import spread
+from crashkit.diagnose.fitting.evidence import explains
+from crashkit.diagnose.fitting.growing import grown
+from crashkit.diagnose.fitting.regress import regression
+from crashkit.diagnose.fitting.search import STEPS, Search, advance_all, begin_all, weighed
+from crashkit.diagnose.workshop import Workshop
+from crashkit.misfit import Misfit
+from crashkit.protocols import Identifier, Status
+
+FINDING = 400
+"""Steps of the search that looks everywhere."""
+SCATTER = 0.07
+"""Relative scatter of the starts about the given values."""
+HEATS = ((10, 6), (4, 10), (2, STEPS))
+"""How many starts enter each heat, and how many steps each gets there."""
+REFINING = ((12, 8), (4, STEPS))
+"""The same about values that are already good."""
+
+
+def reidentify(workshop: Workshop, misfit: Misfit) -> Search:
+    """The best fit of the model as it is; what then remains, no tuning of its parameters removes.
+
+    A model has many local optima where thresholds are crossed. Where taking in the recordings little by little leaves
+    something, two more searches look everywhere: the workshop's finder, and one from many starts.
+    """
+    near = understood(workshop, misfit)
+    if explains(near):
+        return near
+    looks = [partial(_found, workshop.finder), partial(_best_of_many, workshop.identifier)]
+    far = _fitted(workshop, misfit, spread(lambda look: look(misfit), looks))
+    return weighed([min(near, far, key=lambda search: search.state.cost)])[0]
+
+
+def understood(workshop: Workshop, misfit: Misfit) -> Search:
+    """The best fit that is come to little by little, from the misfit's own values and where the equations of motion lead."""
+    end = regression(workshop, misfit)
+    starts = [misfit] if end is None else [misfit, misfit.with_values(end[0])]
+    ends = spread(partial(grown, workshop.identifier), starts)
+    return _fitted(workshop, misfit, [*ends, *([] if end is None else [end[0]])])
+
+
+def _fitted(workshop: Workshop, misfit: Misfit, ends: Sequence[Mapping[str, float]]) -> Search:
+    """The best fit from these values."""
+    searches = advance_all(begin_all(workshop.identifier, [misfit.with_values(end) for end in ends]), STEPS)
+    return min(searches, key=lambda search: search.state.cost)
+
+
+def _found(finder: Identifier[Any], misfit: Misfit) -> Mapping[str, float]:
+    state = finder.start(misfit)
+    for _ in range(FINDING):
+        if state.status is not Status.RUNNING:
+            break
+        state = finder.step(misfit, state)
+    return misfit.values(np.asarray(state.point))
+
+
+def refine(identifier: Identifier[Any], misfit: Misfit) -> Search:
+    """The fit from values that are already good, and from others about them: a better optimum may be near."""
+    searches = begin_all(identifier, scattered(misfit, REFINING[0][0]))
+    for size, steps in REFINING:
+        searches = advance_all(sorted(searches, key=lambda search: search.deviance)[:size], steps)
+    return min(searches, key=lambda search: search.deviance)
+
+
+def _best_of_many(identifier: Identifier[Any], misfit: Misfit) -> Mapping[str, float]:
+    """Where the best of several searches ends that begin at the model's values and around them."""
+    searches = begin_all(identifier, scattered(misfit, HEATS[0][0]))
+    for size, steps in HEATS:
+        searches = advance_all(sorted(searches, key=lambda search: search.state.cost)[:size], steps)
+    best = min(searches, key=lambda search: search.state.cost)
+    return best.misfit.values(best.point)
+
+
+def scattered(misfit: Misfit, count: int) -> list[Misfit]:
+    """The misfit at its model's values, and at others scattered about them within the bounds; the same each time."""
+    start, (lower, upper) = misfit.start(), misfit.bounds()
+    relative = np.abs(misfit.parameters(start)) / misfit.scaling(start)
+    scatter = np.random.default_rng(0).normal(0.0, SCATTER, (count - 1, len(start)))
+    points = [start, *(np.clip(start + move * relative, lower, upper) for move in scatter)]
+    return [misfit.with_values(misfit.values(point)) for point in points]

@@ -1,0 +1,111 @@
+"""Sensor or structure: accelerometers that contradict the film of their body are set aside before any spring is accused.
+
+With them a search would bend every claim about the structure to their errors, and each form of their errors to what the model
+lacks. The instruments that agree decide on the structure; what is wrong with the others is seen in its light.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from attrs import frozen
+
+from crashkit.diagnose.locate.consistency import SIGNIFICANT
+from crashkit.misfit import Misfit
+from crashkit.model import Model
+from crashkit.protocols import Proposal
+
+CLOCK = "clock_offset"
+ALIKE = 0.2
+"""Share of an offset by which bodies may differ on it: short pulses and filters falsify it by a tenth."""
+LEFT = 2.0
+"""What a clock may leave of a contradiction, in units of noise: filters are in no check."""
+
+
+@frozen
+class Suspect:
+    """The accelerometers of a body that its film contradicts.
+
+    Attributes:
+        body: that carries them.
+        instrument: the accelerometer's name in the recordings.
+        sensors: those of its sensors that the body carries.
+    """
+
+    body: str
+    instrument: str
+    sensors: tuple[str, ...]
+
+    def concerns(self, proposal: Proposal, model: Model) -> bool:
+        """Whether a proposal says no more than what such a sensor reads."""
+        place = proposal.location
+        of_readings = (proposal.model.bodies, proposal.model.joints) == (model.bodies, model.joints)
+        return of_readings and (place.get("sensor") in self.sensors or place.get("body") == self.body)
+
+
+def suspects(misfit: Misfit, checks: xr.Dataset) -> tuple[Suspect, ...]:
+    """The accelerometers that contradict a film by kinematics alone.
+
+    Arguments:
+        checks: what `check_instruments` says of the misfit's recordings.
+    """
+    accused = _worst(checks).where(lambda row: row["sigma"] > SIGNIFICANT, drop=True)
+    pairs = zip(accused["body"].values.tolist(), accused["accelerometer"].values.tolist(), strict=True)
+    return tuple(_suspect(misfit, body, accelerometer) for body, accelerometer in pairs)
+
+
+def late_clocks(checks: xr.Dataset) -> dict[str, float]:
+    """By how much, in s, one of two instruments must be late; none unless that explains all that they say of most bodies."""
+    worst = _worst(checks)
+    late = worst.where((worst["sigma"] > SIGNIFICANT) & (worst["error"] == CLOCK), drop=True)
+    if not late.sizes["check"]:
+        return {}
+    plainest = late.isel(check=int((late["sigma"] / late["left"]).values.argmax()))
+    film, accelerometer, offset = (plainest[name].item() for name in ("film", "accelerometer", "estimate"))
+    clocks = checks.where((checks["film"] == film) & (checks["accelerometer"] == accelerometer), drop=True)
+    clocks = clocks.where(clocks["error"] == CLOCK, drop=True)
+    apart = np.abs(clocks["estimate"] - offset) > np.maximum(SIGNIFICANT * clocks["std"], ALIKE * abs(offset))
+    agree = ~apart & (clocks["left"] <= LEFT)
+    return {film: -offset, accelerometer: offset} if agree.mean() > 0.5 else {}
+
+
+def _worst(checks: xr.Dataset) -> xr.Dataset:
+    """Of each body and accelerometer, the error that would explain best what contradicts a film."""
+    checks = checks.sortby("sigma")
+    pairs = zip(checks["body"].values.tolist(), checks["accelerometer"].values.tolist(), strict=True)
+    last = {pair: number for number, pair in enumerate(pairs)}
+    return checks.isel(check=list(last.values()))
+
+
+def on_time(recordings: Mapping[str, xr.DataTree], instrument: str, late: float) -> dict[str, xr.DataTree]:
+    """The recordings with that instrument's time stamps put right; what it recorded before the start is left out."""
+    return {run: _on_time(recording, instrument, late) for run, recording in recordings.items()}
+
+
+def _on_time(recording: xr.DataTree, instrument: str, late: float) -> xr.DataTree:
+    if instrument not in recording.children:
+        return recording
+    group = recording.children[instrument].to_dataset(inherit=False)
+    group = group.assign_coords(time=group["time"] - late)
+    return recording.assign({instrument: xr.DataTree(group.isel(time=(group["time"] >= 0.0).values))})
+
+
+def _suspect(misfit: Misfit, body: str, instrument: str) -> Suspect:
+    group = next(group.dataset for group in misfit.groups if group.name == instrument)
+    carried = group["sensor"].values[group["sensor_body"].values == body]
+    return Suspect(body, instrument, tuple(carried.tolist()))
+
+
+def without(recordings: Mapping[str, xr.DataTree], set_aside: tuple[Suspect, ...]) -> dict[str, xr.DataTree]:
+    """The recordings of all other sensors."""
+    return {run: _without(recording, set_aside) for run, recording in recordings.items()}
+
+
+def _without(recording: xr.DataTree, set_aside: tuple[Suspect, ...]) -> xr.DataTree:
+    for suspect in set_aside:
+        instrument = recording.children[suspect.instrument].to_dataset(inherit=False)
+        rest = instrument.isel(sensor=~instrument["sensor"].isin(suspect.sensors))
+        recording = recording.assign({suspect.instrument: xr.DataTree(rest)})
+        if not rest.sizes["sensor"]:
+            recording = recording.drop_nodes(suspect.instrument)
+    return recording

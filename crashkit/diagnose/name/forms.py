@@ -1,0 +1,114 @@
+"""Every finding in its best form: one that was found first had to make do for those that came after it."""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+
+import numpy as np
+from attrs import evolve
+
+from crashkit.campaign import spread
+from crashkit.diagnose.fitting.contest import Entrant, Progress, Start, first_of_each, identity, propose_all
+from crashkit.diagnose.fitting.evidence import Rival, explains, is_unknown, ranked_by_evidence
+from crashkit.diagnose.fitting.rebuild import rebuild
+from crashkit.diagnose.fitting.search import Search, advance_all, begin, begin_all, weighed
+from crashkit.diagnose.name.alike import most_alike
+from crashkit.diagnose.name.look import Round
+from crashkit.diagnose.workshop import Workshop
+from crashkit.misfit import Misfit
+from crashkit.protocols import Proposal
+
+SHARES = (1 / 6, 1 / 3, 2 / 3, 1.0)
+"""Of the time recorded, looked at one after the other while only a form's own numbers move."""
+ALONE = 10
+"""Steps in each."""
+HEATS = ((4, 8), (2, 40))
+"""How many starts of each form go on, and how many steps each gets."""
+
+
+def in_best_forms(
+    workshop: Workshop, base_search: Search, rounds: Sequence[Round], search: Search, progress: Progress
+) -> tuple[list[Round], Search]:
+    """The findings, each in the form that is most evident beside the others, and the fit with them.
+
+    Arguments:
+        base_search: the fit of the model without them.
+        search: the fit with them; where it leaves nothing, no form is questioned.
+    """
+    looks = list(rounds)
+    for index, look in enumerate(rounds):
+        if explains(search) or is_unknown(look.rivals[0]):
+            continue
+        others = [other.rivals[0] for other in looks if other is not look]
+        progress(f"fitting all forms of {look.rivals[0].proposal.physics}", index / len(looks))
+        forms = in_all_forms(workshop, base_search, look.rivals[0], others, search)
+        best = next(iter(ranked_by_evidence(forms, search.deviance + look.rivals[0].drop)), look.rivals[0])
+        if best.evidence > look.rivals[0].evidence:
+            looks[index], search = evolve(look, rivals=(best, *look.rivals[1:])), best.search
+    return looks, search
+
+
+def in_all_forms(
+    workshop: Workshop, base_search: Search, rival: Rival, others: Sequence[Rival], search: Search
+) -> list[Entrant]:
+    """Fits of a claim in all its forms, from where its present one, or what stands in for it, has driven all other numbers."""
+    without = rebuild(workshop, base_search, others, search)
+    if without is None:
+        return []
+    origin, found = without.misfit.with_values_of(search.fitted()), search.misfit.values(search.point)
+    forms = [p for p in propose_all(workshop, origin) if identity(p) == rival.identity]
+    is_told = rival.proposal.parameters[0] in found
+    if is_told and len(forms) < 2:
+        return []
+    equipped = workshop.equipped([form.model for form in forms])
+    starts = [(form, {**form.null, **start}) for form in forms for start in _starts(form, rival.proposal, found)]
+    ahead = spread(partial(_alone, equipped, origin, search.fitted()), starts)
+    misfits = [with_form(equipped, origin, form, values) for (form, _), values in zip(starts, ahead, strict=True)]
+    searches = begin_all(workshop.identifier, misfits)
+    return _fitted(list(zip((form for form, _ in starts), searches, strict=True)))
+
+
+def _fitted(entrants: Sequence[Entrant]) -> list[Entrant]:
+    """Each form from the best of its starts: in a common heat, those of one form that meet in one optimum take all places."""
+    for most, steps in HEATS:
+        ahead = first_of_each(sorted(entrants, key=lambda entrant: entrant[1].state.cost), most)
+        entrants = list(zip((form for form, _ in ahead), advance_all([search for _, search in ahead], steps), strict=True))
+    return list(zip((form for form, _ in entrants), weighed([search for _, search in entrants]), strict=True))
+
+
+def _starts(form: Proposal, present: Proposal, found: Mapping[str, float]) -> Sequence[Mapping[str, float]]:
+    """Of the present form also where it stands; numbers of the same name may lead another form back to what this one does."""
+    return [*form.starts, found] if form.form == present.form else form.starts
+
+
+def _alone(workshop: Workshop, origin: Misfit, present: Misfit, start: Start) -> Mapping[str, float]:
+    """Where a form's own numbers go while all others stay: as far as the first instants tell them, and on; or all at once.
+
+    Where the bodies are the same, also from where it acts most like the present form.
+    """
+    form, values = start
+    routes = [(values, SHARES), (values, SHARES[-1:])]
+    if {body.name for body in form.model.bodies} == {body.name for body in present.model.bodies}:
+        other = with_form(workshop, origin, form, values)
+        routes.append((most_alike(present, other, form.parameters, workshop.laws), SHARES[-1:]))
+    ends = [along(workshop, origin, (form, begun), route) for begun, route in routes]
+    return min(ends, key=lambda end: end[1])[0]
+
+
+def along(
+    workshop: Workshop, origin: Misfit, start: Start, route: Sequence[float], here: tuple[str, ...] = ()
+) -> tuple[Mapping[str, float], float]:
+    """Where a form's own numbers go, and those whose paths begin with `here`, and what they leave there."""
+    (form, values), cost = start, np.inf
+    for early in (origin.coarse.up_to(share) for share in route):
+        if early.groups:
+            misfit = with_form(workshop, early, form, values)
+            alone = misfit.with_values({}, free={n: n in form.parameters or n.startswith(here) for n in misfit.names})
+            search = begin(workshop.identifier, alone).advance(ALONE)
+            values, cost = {**values, **alone.values(search.point)}, search.state.cost
+    return values, cost
+
+
+def with_form(workshop: Workshop, origin: Misfit, form: Proposal, values: Mapping[str, float]) -> Misfit:
+    """The misfit of a form at these values, and at those of `origin` for the rest."""
+    misfit = workshop.misfit(origin, form.model).with_values_of(origin)
+    return misfit.with_values({name: value for name, value in values.items() if name in misfit.names})

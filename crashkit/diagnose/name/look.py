@@ -1,0 +1,141 @@
+"""One look at what a model leaves: every hypothesis that has not been found already is fitted to it and weighed."""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+
+import numpy as np
+from attrs import evolve, field, frozen
+
+from crashkit.diagnose.fitting.contest import Progress, identity, propose_all
+from crashkit.diagnose.fitting.couples import Couple
+from crashkit.diagnose.fitting.evidence import UNEXPLAINED, Rival, best_forms, explains, probabilities
+from crashkit.diagnose.name.rivals import Limit, further_rivals, nearest_rivals, standing
+from crashkit.diagnose.workshop import Workshop
+from crashkit.misfit import Misfit
+from crashkit.model import Model
+from crashkit.protocols import Proposal
+
+CHANCE = 0.01
+"""A finding is made when the probability that there is nothing falls below this."""
+LEAST_DROP = 20.0
+"""Chi squared that a finding must at least explain: among a hundred trials of noise the largest stays below it."""
+FORM_ERRORS = (0.01, 0.03)
+"""Share of what was explained already that a second and a third finding must at least explain: the form of a law is never
+quite right, and a form that is wrong by 10 % of its effect leaves the first. Three effects at once are rare, two forms that
+are wrong are not."""
+READINGS = 0.2
+"""How much of that a claim about one instrument must explain: the error of a form shows in all of them."""
+EXACT = 0.1
+"""How much of what such a claim explained itself counts, if it has but one number: an offset has hardly a form to be wrong."""
+
+COMPLETING = 0.3
+"""How much of that a claim must explain after which nothing is left, where plainly something was: the error of a form is
+hardly another law."""
+
+
+@frozen
+class Round:
+    """One look at what is left: the rivals in order, their probabilities, that of nothing, the misfit before, how much of
+    chi squared a finding must at least explain, the smallest effects that would have been seen, and couples of claims that
+    leave much less than any rival."""
+
+    rivals: tuple[Rival, ...]
+    probabilities: tuple[float, ...]
+    nothing: float
+    before: Misfit
+    least: float = LEAST_DROP
+    limits: tuple[Limit, ...] = field(default=())
+    couples: tuple[Couple, ...] = field(default=())
+
+    @property
+    def winner(self) -> Rival | None:
+        """The rival that convinces, if one does."""
+        if not self.rivals or self.nothing >= CHANCE:
+            return None
+        first = self.rivals[0]
+        least = _least_of(first.proposal, self.least)
+        is_enough = first.drop > least or (first.drop > COMPLETING * least and self._is_completed_by(first))
+        return first if is_enough else None
+
+    def _is_completed_by(self, rival: Rival) -> bool:
+        """Whether something plainly was left before, and nothing is left with this one."""
+        return standing(self.before)[0] > UNEXPLAINED and explains(rival.search)
+
+
+def look_again(
+    workshop: Workshop,
+    given: Misfit,
+    current: Misfit,
+    found: Sequence[Rival],
+    progress: Progress,
+    concerns: Callable[[Proposal, Model], bool] | None = None,
+    quick: bool = False,
+    begun: Round | None = None,
+) -> Round:
+    """Every hypothesis that has not been found already, at the places of the given model, against what is left.
+
+    Once something has been found, the model's own numbers have no more reason to hide the rest.
+
+    Arguments:
+        concerns: which proposals, built on the current model, are to be looked at; None: all.
+        quick: whether to stop at what is found from the current numbers.
+        begun: the look that did.
+    """
+    proposals = [p for p in open_claims(workshop, given, current, found) if concerns is None or concerns(p, current.model)]
+    equipped = workshop.equipped([p.model for p in proposals])
+    least, couples = least_drop(found), tuple[Couple, ...]()
+    if begun is None:
+        ranked, limits = nearest_rivals(equipped, current, proposals, partial(_least_of, least=least), progress)
+    else:
+        ranked, limits = list(begun.rivals), list(begun.limits)
+    if not quick:
+        afresh = not found or concerns is not None
+        further = further_rivals(equipped, current, current.with_values_of(given), proposals, ranked, afresh, progress)
+        ranked, couples = list(further.rivals), tuple(further.couples)
+    best = best_forms(ranked)
+    chances, nothing = probabilities(best, len({identity(p) for p in proposals}))
+    return Round(tuple(best), tuple(chances.tolist()), nothing, current, least, tuple(limits), couples)
+
+
+def open_claims(workshop: Workshop, given: Misfit, current: Misfit, found: Sequence[Rival]) -> list[Proposal]:
+    """Every hypothesis at every place of the given model, built on the current one, that has not been found already."""
+    known = {rival.identity for rival in found}
+    return [p for p in propose_all(workshop, current) if identity(p) not in known and _is_given(given.model, p.location)]
+
+
+def least_drop(found: Sequence[Rival]) -> float:
+    """What a further finding must explain, in chi squared."""
+    if not found:
+        return LEAST_DROP
+    explained = sum(rival.drop * (EXACT if _is_exact(rival.proposal) else 1.0) for rival in found)
+    return max(LEAST_DROP, FORM_ERRORS[min(len(found), len(FORM_ERRORS)) - 1] * explained)
+
+
+def _is_exact(proposal: Proposal) -> bool:
+    """Whether it is one number of an instrument."""
+    return is_of_readings(proposal) and len(proposal.parameters) == 1
+
+
+def _least_of(proposal: Proposal, least: float) -> float:
+    """What this claim must explain where `least` is asked of one about the structure."""
+    return max(LEAST_DROP, READINGS * least) if is_of_readings(proposal) else least
+
+
+def is_of_readings(proposal: Proposal) -> bool:
+    """Whether it says no more than what an instrument reads."""
+    return not {"sensor", "instrument"}.isdisjoint(proposal.location)
+
+
+def _is_given(model: Model, location: Mapping[str, object]) -> bool:
+    """What a finding has added is not itself a place for further physics."""
+    bodies, joints = {body.name for body in model.bodies}, {joint.name for joint in model.joints}
+    named = {"joint": joints, "body": bodies, "bodies": bodies}
+    return all(
+        set(np.ravel(np.asarray(location[kind])).tolist()) <= known for kind, known in named.items() if kind in location
+    )
+
+
+def between(look: Round, rivals: Sequence[Rival]) -> Round:
+    """The round as these rivals, the first ahead, would have it among themselves."""
+    chances, nothing = probabilities(rivals, len(rivals))
+    return evolve(look, rivals=tuple(rivals), probabilities=tuple(chances.tolist()), nothing=nothing)

@@ -1,0 +1,233 @@
+"""Name the physics: every hypothesis at every place is scored, the promising ones are fitted, the fitted ones are ranked."""
+
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
+from attrs import frozen
+
+from crashkit.diagnose.fitting.contest import (
+    GROWING,
+    Entrant,
+    Progress,
+    Start,
+    heats,
+    identity,
+    is_same,
+    promising,
+    scores,
+    scouted,
+)
+from crashkit.diagnose.fitting.couples import Couple, coupled
+from crashkit.diagnose.fitting.evidence import FLOOR, STRAINED, Rival, explains, ranked_by_evidence
+from crashkit.diagnose.fitting.regress import opened, regressed
+from crashkit.diagnose.fitting.reidentify import scattered, understood
+from crashkit.diagnose.fitting.score import Score
+from crashkit.diagnose.fitting.search import Search, begin, weighed
+from crashkit.diagnose.result import UNKNOWN
+from crashkit.diagnose.workshop import Workshop
+from crashkit.misfit import Misfit
+from crashkit.protocols import Proposal
+
+STARTS = 2
+"""How many starts of each form of each claim are fitted from the given values; one is from the re-identified ones."""
+HEATS = ((40, 5), (10, 8), (4, 40))
+"""How many of them enter each heat of fits, and how many steps each gets there. Those from the given values have heats of
+their own: they begin far above the others, and need more steps to show what they are worth."""
+CONCEALED = 1.3
+"""Normalised residual of the re-identified model above which it may have hidden physics in wrong values of its own; then the
+hypotheses are also fitted from the values that the user gave."""
+POLISHED = 2
+"""How many of the leading claims are then searched again."""
+SCATTERED = 6
+"""From how many starts each of their forms."""
+POLISHING = ((24, 10), (5, 60))
+"""The heats of that."""
+LEAST_PROMISE = 1e-3
+"""A drop in chi squared below this says that nothing of the effect is excited. More is not asked of a model that is above the
+noise: its own parameters may hide an effect so well that its score is small."""
+NOISE_PROMISE = 0.15
+"""Share of the drop that a finding needs which is asked of a model at the noise, at its best fit."""
+COUPLED = 0.2
+"""Of what the best single claim leaves above the noise: two that leave less are told before any other is asked."""
+SEEN = 4.5
+"""Standard deviations from which an effect is found: its chi squared is then that of a finding."""
+
+
+@frozen
+class Limit:
+    """The smallest effect that the recordings would have shown.
+
+    Attributes:
+        proposal: the physics, its form and place.
+        smallest: value of its first parameter.
+    """
+
+    proposal: Proposal
+    smallest: float
+
+
+@frozen
+class Further:
+    """What is found from elsewhere.
+
+    Attributes:
+        rivals: single claims, the most evident first.
+        couples: two claims at once that leave much less than any of them, the most evident first.
+    """
+
+    rivals: Sequence[Rival]
+    couples: Sequence[Couple]
+
+
+def nearest_rivals(
+    workshop: Workshop, base: Misfit, proposals: Sequence[Proposal], least: Callable[[Proposal], float], progress: Progress
+) -> tuple[list[Rival], list[Limit]]:
+    """The fits from the best numbers of the model without the claims, the most evident first, and the smallest effects seen.
+
+    Arguments:
+        base: the misfit of that model, at its best fit.
+        proposals: all of them built on that model.
+        least: the drop in chi squared that a claim needs to be a finding.
+        progress: told what is being done and how far it is (0 to 1).
+    """
+    residual = base.residual(base.start())
+    normalised, strained = standing(base)
+    plain = [proposal for proposal in proposals if not proposal.refined]
+    scored = scores(workshop, base, plain, float(residual @ residual), progress)
+    at_noise = normalised < FLOOR and not strained
+    chosen = promising(scored, 1, lambda proposal: NOISE_PROMISE * least(proposal) if at_noise else LEAST_PROMISE)
+    fitted = heats(scouted(workshop, base, chosen, (1.0,), HEATS[0][0], _astray(workshop, base), progress), HEATS, progress)
+    return ranked_by_evidence(fitted, base.deviance(residual)), _limits(scored)
+
+
+def further_rivals(
+    workshop: Workshop,
+    base: Misfit,
+    given: Misfit,
+    proposals: Sequence[Proposal],
+    nearest: Sequence[Rival],
+    afresh: bool,
+    progress: Progress,
+) -> Further:
+    """The nearest rivals, and what is fitted from elsewhere where they leave something.
+
+    Arguments:
+        base, proposals, progress: as for `nearest_rivals`.
+        given: the misfit of the same model at the values that the user gave.
+        nearest: what that found.
+        afresh: whether to look from the given values, where the base may hide physics.
+    """
+    deviance, astray = base.deviance(base.residual(base.start())), _astray(workshop, base)
+    fitted = [(rival.proposal, rival.search) for rival in nearest]
+    couples: list[Couple] = []
+    if afresh and may_conceal(base) and not _explained(fitted):
+        plain = [proposal for proposal in proposals if not proposal.refined]
+        found, couples = _from_given(workshop, given, plain, astray, progress)
+        fitted += found
+    ranked = ranked_by_evidence(fitted, deviance)
+    if ranked and not couples:
+        fitted += _polished(workshop, given, ranked, proposals, astray, progress)
+    return Further(ranked_by_evidence(fitted, deviance), couples)
+
+
+def standing(base: Misfit) -> tuple[float, bool]:
+    """The normalised residual of a model, and whether its numbers are strained."""
+    residual = base.residual(base.start())
+    return float(np.sqrt(residual @ residual / base.independent_samples)), base.departure(base.start()) > STRAINED
+
+
+def may_conceal(base: Misfit) -> bool:
+    """Whether a fitted model may hide physics in wrong values of its own."""
+    normalised, strained = standing(base)
+    return strained or normalised > CONCEALED
+
+
+def _astray(workshop: Workshop, base: Misfit) -> float:
+    """What the model without any claim leaves at few instants."""
+    return float(begin(workshop.identifier, base.coarse).state.cost)
+
+
+def _from_given(
+    workshop: Workshop, given: Misfit, proposals: Sequence[Proposal], astray: float, progress: Progress
+) -> tuple[list[Entrant], list[Couple]]:
+    """Claims from the values that the user gave: along the measured motion, and where none explains everything, couples of
+    them, and those that it says nothing about simulated.
+    """
+    ends = opened(workshop, given, proposals, progress)
+    found = regressed(workshop, given, proposals, ends, progress)
+    known = [search for proposal, search in found if proposal.physics != UNKNOWN]
+    if any(search.normalised <= FLOOR and search.misfit.departure(search.point) < STRAINED for search in known):
+        return found, []
+    couples = coupled(workshop, given, proposals, ends, progress)
+    if couples and couples[0].search.excess < COUPLED * min((one.excess for _, one in found), default=np.inf):
+        return found, couples
+    rest = [proposal for proposal, end in zip(proposals, ends, strict=True) if end is None]
+    rough = promising(scores(workshop, given.coarse, rest, np.inf, progress), STARTS, lambda _: LEAST_PROMISE)
+    begun = scouted(workshop, given, rough, GROWING, HEATS[0][0], astray, progress)
+    return [*found, *heats(begun, HEATS, progress)], []
+
+
+def _explained(fitted: Iterable[Entrant]) -> bool:
+    return any(explains(search) for _, search in fitted)
+
+
+def again(workshop: Workshop, given: Misfit, rival: Rival, progress: Progress) -> Search:
+    """The model with a claim, re-identified from where the user gave its own numbers.
+
+    Its fit began where the model without it had been driven, and may have stayed in that valley.
+    """
+    progress(f"re-identifying with {rival.proposal.physics}", 0.0)
+    return weighed([understood(workshop, rival.search.fitted().with_values_of(given))])[0]
+
+
+def _limits(scores: Iterable[tuple[Proposal, Score]]) -> list[Limit]:
+    """Of every claim in its first form, at the start from which the recordings see best.
+
+    Only of what was scored from nothing: elsewhere a deviation is not the smallest size that shows.
+    """
+    limits: dict[tuple[str, str], Limit] = {}
+    for proposal, one in scores:
+        path = proposal.parameters[0]
+        if proposal.physics == UNKNOWN or one.values[path] != proposal.null.get(path):
+            continue
+        known = limits.setdefault(identity(proposal), Limit(proposal, np.inf))
+        if proposal.form == known.proposal.form:
+            limits[identity(proposal)] = Limit(known.proposal, min(known.smallest, SEEN * one.deviation))
+    return list(limits.values())
+
+
+def _polished(
+    workshop: Workshop,
+    given: Misfit,
+    ranked: Sequence[Rival],
+    proposals: Sequence[Proposal],
+    astray: float,
+    progress: Progress,
+) -> list[Entrant]:
+    """Every form of the leading claims, searched from many starts.
+
+    Only where the winner has not reached the noise floor, or is an estimate: another form of its own, or of its closest
+    rivals, may only have been caught in a local optimum. An estimate that reaches the noise gives way to what leaves less: of
+    many fine forms, some nearly imitate any force.
+    """
+    winner = ranked[0]
+    at_noise = winner.search.normalised <= FLOOR
+    if at_noise and winner.proposal.physics != UNKNOWN:
+        return []
+    forms = [p for p in proposals if p.physics != UNKNOWN and _leads(p, ranked)]
+    starts: list[Start] = []
+    for proposal in forms:
+        found = next((r.search for r in ranked if is_same(r.proposal, proposal)), None)
+        known = found.misfit.values(found.point) if found else {}
+        new = {name: known[name] for name in proposal.parameters if name in known}
+        origin = workshop.misfit(given, proposal.model).with_values_of(given)
+        origins = [origin.with_values(start) for start in ([new] if new else proposal.starts[:SCATTERED])]
+        misfits = [misfit for one in origins for misfit in scattered(one, SCATTERED // len(origins))]
+        starts += [(proposal, misfit.values(misfit.start())) for misfit in misfits]
+    ends = heats(scouted(workshop, given, starts, GROWING, POLISHING[0][0], astray, progress), POLISHING, progress)
+    return [one for one in ends if not at_noise or one[1].deviance < winner.search.deviance]
+
+
+def _leads(proposal: Proposal, ranked: Sequence[Rival]) -> bool:
+    known = dict.fromkeys(identity(rival.proposal) for rival in ranked if rival.proposal.physics != UNKNOWN)
+    return identity(proposal) in list(known)[:POLISHED]

@@ -1,0 +1,177 @@
+"""Effects come in twos: name the strongest, look again at what is left, then question each in the light of the others."""
+
+from collections.abc import Sequence
+
+from attrs import field, frozen
+
+from crashkit.diagnose.fitting.contest import Progress
+from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED, Rival, explains, is_unknown, ranked_by_evidence
+from crashkit.diagnose.fitting.in_time import in_time
+from crashkit.diagnose.fitting.rebuild import rebuild
+from crashkit.diagnose.fitting.search import Search
+from crashkit.diagnose.fitting.sharpen import check_pace
+from crashkit.diagnose.locate.courses import Pointer
+from crashkit.diagnose.name.exchange import exchanged
+from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
+from crashkit.diagnose.name.look import Round, between, look_again
+from crashkit.diagnose.name.settle import settled
+from crashkit.diagnose.result import place_of
+from crashkit.diagnose.workshop import Workshop
+from crashkit.misfit import Misfit
+from crashkit.model import Model
+
+MOST_FINDINGS = 3
+HALF = 0.5
+"""Of what is left above the noise: a claim that leaves more has hardly found its form."""
+NEEDED = 100.0
+"""Chi squared that the loss of a finding must cost for it to be plainly needed."""
+TIE = 10.0
+"""Chi squared by which two explanations may differ and still count as equally good."""
+
+
+@frozen
+class Discovery:
+    """Everything that was found.
+
+    Attributes:
+        base: the misfit of the given model, re-identified.
+        final: the misfit of the augmented model, at its best fit.
+        search: that fit.
+        rounds: for each finding, the round that it won in the light of all the others.
+        last: the round that found nothing more.
+        pointer: to the place of an estimated force, where the equations of motion told it.
+    """
+
+    base: Misfit
+    final: Misfit
+    search: Search
+    rounds: tuple[Round, ...] = field(default=())
+    last: Round | None = None
+    pointer: Pointer | None = None
+
+
+def followed(
+    workshop: Workshop, given: Misfit, base_search: Search, begun: Sequence[Round], look: Round, progress: Progress
+) -> tuple[Discovery, Round]:
+    """What is found from a beginning on, and the last look."""
+    rounds, search = list(begun), begun[-1].rivals[0].search if begun else base_search
+    while look.winner is not None and not _corrects(look.winner, rounds):
+        found = [one.rivals[0] for one in rounds]
+        rounds.append(in_time(look, settled, workshop, given, look, look.winner, found, progress))
+        search = rounds[-1].rivals[0].search
+        rounds, search = in_time((rounds, search), in_best_forms, workshop, base_search, rounds, search, progress)
+        if len(rounds) == 1:
+            check_pace(workshop, given, rounds[0].rivals[0])
+        if len(rounds) == MOST_FINDINGS or is_estimated(rounds):
+            break
+        found = [one.rivals[0] for one in rounds]
+        further = in_time(None, look_again, workshop, given, search.fitted(), found, progress)
+        if further is None:
+            break
+        look = further
+        completed = in_time(None, _completed, workshop, given, base_search, rounds, search, look, progress)
+        if completed is not None:
+            rounds, search = completed
+            break
+    if len(rounds) > 1:
+        rounds, search = in_time((rounds, search), _questioned, workshop, given, base_search, rounds, search, look, progress)
+    last = look if look.winner is None else None
+    return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds), last), look
+
+
+def _completed(
+    workshop: Workshop,
+    given: Misfit,
+    base_search: Search,
+    rounds: Sequence[Round],
+    search: Search,
+    look: Round,
+    progress: Progress,
+) -> tuple[list[Round], Search] | None:
+    """The findings and the best known claim of a look that convinced of none, if together, each in its best form, they leave
+    nothing; None if not.
+
+    Beside a gross effect a second one in a form that is off explains too little to convince.
+    """
+    found = [one.rivals[0] for one in rounds]
+    known = {place_of(rival.proposal.location) for rival in found}
+    claim = next((rival for rival in look.rivals if not is_unknown(rival)), None)
+    if look.winner is not None or claim is None or search.normalised < UNEXPLAINED:
+        return None
+    if place_of(claim.proposal.location) in known or claim.search.excess > HALF * search.excess:
+        return None
+    forms = ranked_by_evidence(in_all_forms(workshop, base_search, claim, found, claim.search), search.deviance)
+    best = max([claim, *forms], key=lambda rival: rival.evidence)
+    others = [rival for rival in look.rivals if rival.identity != best.identity]
+    tried = settled(workshop, given, between(look, [best, *others]), best, found, progress)
+    more, end = in_best_forms(workshop, base_search, [*rounds, tried], tried.rivals[0].search, progress)
+    return (more, end) if explains(end) else None
+
+
+def _questioned(
+    workshop: Workshop,
+    given: Misfit,
+    base_search: Search,
+    rounds: list[Round],
+    search: Search,
+    last: Round,
+    progress: Progress,
+) -> tuple[list[Round], Search]:
+    """Several findings, each in the light of the others."""
+    begun = rounds
+    rounds, search = exchanged(workshop, base_search, rounds, search, last) or (rounds, search)
+    rounds, search = reconsidered(workshop, given, base_search, rounds, search, progress)
+    if [id(look) for look in rounds] == [id(look) for look in begun]:
+        return rounds, search
+    return in_best_forms(workshop, base_search, rounds, search, progress)
+
+
+def reconsidered(
+    workshop: Workshop, given: Misfit, base_search: Search, rounds: list[Round], search: Search, progress: Progress
+) -> tuple[list[Round], Search]:
+    """Takes each finding away in turn, and lets all hypotheses compete again for its place beside the others.
+
+    The first that was found had to make do for all of them, and is often only the best stand-in. Where everything is explained
+    and nothing can be spared, there is nothing to question; nor is the same asked twice.
+    """
+    looks = list(rounds)
+    for claim in [look.rivals[0].identity for look in rounds]:
+        place = [look.rivals[0].identity for look in looks].index(claim)
+        rest = [*looks[:place], *looks[place + 1 :]]
+        without = rebuild(workshop, base_search, [look.rivals[0] for look in rest], search)
+        if without is None:
+            continue
+        rest, without = in_best_forms(workshop, base_search, rest, without, progress)
+        is_needed = search.normalised < FLOOR and without.deviance > search.deviance + NEEDED
+        if is_needed or _was_asked(looks[place], without):
+            continue
+        look = look_again(workshop, given, without.fitted(), [one.rivals[0] for one in rest], progress)
+        if look.winner is None or _corrects(look.winner, rest):
+            if without.deviance < search.deviance + look.least:
+                looks, search = rest, without
+        elif look.winner.search.deviance < search.deviance + TIE:
+            looks, search = [*rest[:place], look, *rest[place:]], look.winner.search
+    return looks, search
+
+
+def _corrects(winner: Rival, rounds: Sequence[Round]) -> bool:
+    """A table at the place of a named finding says how far the form of that is off, not that there is more."""
+    places = [place_of(look.rivals[0].proposal.location) for look in rounds]
+    return is_unknown(winner) and place_of(winner.proposal.location) in places
+
+
+def is_estimated(rounds: Sequence[Round]) -> bool:
+    """Beside a force that is only estimated nothing more can be named: what is left is mostly how coarse the estimate is."""
+    return bool(rounds) and is_unknown(rounds[-1].rivals[0])
+
+
+def _was_asked(look: Round, without: Search) -> bool:
+    """Whether the look was made at just this model, at a fit that is as good."""
+    before = look.before
+    is_same = _anatomy(before.model) == _anatomy(without.misfit.model)
+    return is_same and before.deviance(before.residual(before.start())) < without.deviance + TIE
+
+
+def _anatomy(model: Model) -> list[tuple[str, tuple[str, ...], list[str]]]:
+    """The joints of a model and their laws, whatever their numbers."""
+    return [(joint.name, (joint.law, *joint.factors), sorted(joint.parameters)) for joint in model.joints]

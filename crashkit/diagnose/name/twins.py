@@ -1,0 +1,66 @@
+"""Claims that take the numbers of a finding to another place: what no recording tells apart shares its odds."""
+
+from collections.abc import Sequence
+
+from attrs import evolve
+
+from crashkit.diagnose.fitting.contest import Entrant, heats, identity, propose_all
+from crashkit.diagnose.fitting.evidence import Rival, best_forms, is_unknown, ranked_by_evidence
+from crashkit.diagnose.fitting.rebuild import rebuild
+from crashkit.diagnose.fitting.search import Search, begin, begin_all
+from crashkit.diagnose.name.forms import with_form
+from crashkit.diagnose.name.look import Round, between
+from crashkit.diagnose.name.rounds import Discovery
+from crashkit.diagnose.result import own_name
+from crashkit.diagnose.workshop import Workshop
+
+HEATS = ((30, 6), (3, 40))
+"""How many enter each, and how many steps each gets there."""
+
+
+def beside_twins(workshop: Workshop, discovery: Discovery) -> Discovery:
+    """Every finding with its twins among the rivals.
+
+    Another form of the same physics may have been the one that decided, and its twins were never asked in that: friction on
+    the ground acts on a body like friction in its joint to the obstacle, in whatever form. The likeliest of them is told.
+    """
+    rounds = tuple(_beside_twins(workshop, discovery, look) for look in discovery.rounds)
+    leading = [look.rivals[0] for look in rounds]
+    if [rival.identity for rival in leading] == [look.rivals[0].identity for look in discovery.rounds]:
+        return evolve(discovery, rounds=rounds)
+    search = rebuild(workshop, begin(workshop.identifier, discovery.base), leading, discovery.search)
+    return discovery if search is None else evolve(discovery, rounds=rounds, search=search, final=search.fitted())
+
+
+def _beside_twins(workshop: Workshop, discovery: Discovery, look: Round) -> Round:
+    """The round with twins, which are weighed as the finding is now: what stands beside it may have got a better form."""
+    winner = evolve(look.rivals[0], search=discovery.search)
+    others = [one.rivals[0] for one in discovery.rounds if one is not look]
+    without = (
+        None if is_unknown(winner) else rebuild(workshop, begin(workshop.identifier, discovery.base), others, winner.search)
+    )
+    twins = [] if without is None else _twins(workshop, without, winner, others)
+    if without is None or not twins:
+        return look
+    fitted = ranked_by_evidence(heats(twins, HEATS, lambda doing, share: None), winner.search.deviance + winner.drop)
+    leading = max([winner, *fitted], key=lambda rival: rival.evidence)
+    rivals = sorted([winner, *look.rivals[1:], *fitted], key=lambda rival: -rival.evidence)
+    return between(evolve(look, before=without.fitted()), best_forms([leading, *rivals]))
+
+
+def _twins(workshop: Workshop, without: Search, winner: Rival, others: Sequence[Rival]) -> list[Entrant]:
+    """Searches of all claims of the same numbers, from where they are, beside the other findings."""
+    numbers = _numbers(winner)
+    origin, known = without.misfit.with_values_of(winner.search.fitted()), {rival.identity for rival in (winner, *others)}
+    alike = [p for p in propose_all(workshop, origin) if {own_name(path) for path in p.parameters} == set(numbers)]
+    twins = [twin for twin in alike if identity(twin) not in known]
+    equipped = workshop.equipped([twin.model for twin in twins])
+    starts = [{path: numbers[own_name(path)] for path in twin.parameters} for twin in twins]
+    misfits = [with_form(equipped, origin, twin, start) for twin, start in zip(twins, starts, strict=True)]
+    return list(zip(twins, begin_all(workshop.identifier, misfits), strict=True))
+
+
+def _numbers(rival: Rival) -> dict[str, float]:
+    """What a claim adds, by the names in its law."""
+    values = rival.search.misfit.values(rival.search.point)
+    return {own_name(path): values[path] for path in rival.proposal.parameters if path in values}

@@ -1,0 +1,1 @@
+"""What was found, for people and programs: findings, fits, curves, tables, words."""

@@ -1,0 +1,140 @@
+"""The answer in about ten lines that a person can read, and the notes on what cannot be trusted."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+from attrs import evolve
+
+from crashkit.diagnose.fitting.evidence import FLOOR
+from crashkit.diagnose.name.rounds import Discovery
+from crashkit.diagnose.result import Diagnosis, Estimate, Finding, Fit, place_of
+from crashkit.diagnose.show.fits import is_beyond, is_worse
+from crashkit.protocols import Identification
+
+VERDICTS = {
+    "consistent": "Simulation and recordings agree: nothing is missing that these recordings could show.",
+    "missing_physics": "Simulation and recordings differ: the model leaves out physics.",
+    "sensor_fault": "Simulation and recordings differ: an instrument is wrong, not the structure.",
+    "unexplained": "Simulation and recordings differ, and none of the known physics explains it.",
+}
+
+
+MOST_LIMITS = 5
+
+
+def summarise(
+    verdict: str,
+    findings: Sequence[Finding],
+    fits: Mapping[str, Mapping[str, Fit]],
+    consistency: xr.Dataset,
+    detectable: xr.Dataset,
+) -> str:
+    """The verdict, each finding with its numbers, and the fits; where nothing was found, what would have been."""
+    lines = [VERDICTS[verdict], *(_lines_of_limits(detectable) if not findings else [])]
+    for finding in findings:
+        lines += _lines_of(finding)
+    lines.append("Residual over noise (1 is the noise floor), re-identified model -> with what was found:")
+    for name, label in (("calibration", "fitted runs"), ("holdout", "held-out runs")):
+        if fits[name]:
+            lines.append(f"  {label}: {fits[name]['before'].normalised_rmse:.3f} -> {fits[name]['after'].normalised_rmse:.3f}")
+    lines += [f"  {sentence}" for sentence in of_prediction(fits["holdout"])]
+    if consistency.sizes.get("check", 0):
+        worst = int(np.argmax(consistency["sigma"].values))
+        lines.append(f"Instruments by kinematics alone: {consistency['sentence'].values[worst]}")
+    return "\n".join(lines)
+
+
+def noted(discovery: Discovery, result: Identification, fits: Mapping[str, Mapping[str, Fit]]) -> tuple[str, ...]:
+    """What cannot be trusted."""
+    notes = [f"identification {result.status.value}"] if result.status.name != "CONVERGED" else []
+    notes += list(result.unseen)
+    left = fits["calibration"]["after"].normalised_rmse
+    if discovery.rounds and left > FLOOR:
+        notes.append(f"what was found leaves {left:.2f} times the noise: the form of its law may be another, or there is more")
+    notes += [str(discovery.pointer)] if discovery.rounds and discovery.pointer else []
+    notes += of_prediction(fits["holdout"])
+    open_levels = sorted({f"{c.instrument}/{c.sensor}" for c in discovery.final.channels if not c.noise.trusted})
+    if open_levels:
+        samples = discovery.final.independent_samples
+        notes.append(
+            f"the noise of {', '.join(open_levels)} is not given and the channels are filtered: residuals are weighed by "
+            f"their own size, and all channels together count as about {samples:.0f} independent samples"
+        )
+    return tuple(notes)
+
+
+def of_prediction(fits: Mapping[str, Fit]) -> list[str]:
+    """Why the held-out runs are predicted as badly as they are."""
+    if not fits or fits["after"].normalised_rmse < FLOOR:
+        return []
+    expected = fits["after"].expected_rmse
+    sentences = []
+    if is_worse(fits):
+        sentences.append(
+            "The held-out runs are predicted worse than before: do not trust this outside the runs that were fitted."
+        )
+    if is_beyond(fits):
+        sentences.append(
+            f"Of the right model about {expected:.2f} times the noise is to be expected there: a law has another form than "
+            "the model says, or something is missing."
+        )
+    elif expected > FLOOR:
+        sentences.append(
+            f"The fitted runs foretell the held-out ones only to about {expected:.2g} times the noise; what they do not tell "
+            f"is mostly {fits['after'].untold}."
+        )
+    return sentences
+
+
+def cut_short(diagnosis: Diagnosis, seconds: float) -> Diagnosis:
+    """The diagnosis that could not ask everything, and says so."""
+    sentence = f"the time for questions was up after {seconds:.0f} s: other causes, or more of them, may explain this better"
+    return evolve(diagnosis, summary=f"{diagnosis.summary}\n{sentence}", notes=(sentence, *diagnosis.notes))
+
+
+def nothing_predicted(diagnosis: Diagnosis, runs: Sequence[str]) -> Diagnosis:
+    """The diagnosis that had to fit the runs that were held out, and says so."""
+    sentence = (
+        f"{', '.join(runs)}: what explains the other runs cannot explain this beside them, whatever its numbers, so it was "
+        "fitted too; nothing here was predicted, hold another run out"
+    )
+    return evolve(diagnosis, summary=f"{diagnosis.summary}\n{sentence}", notes=(sentence, *diagnosis.notes))
+
+
+def _lines_of_limits(detectable: xr.Dataset) -> list[str]:
+    """The first few kinds of physics, each at the place where it would have been seen soonest."""
+    if not detectable.sizes.get("effect", 0):
+        return []
+    rows = zip(
+        *(detectable[name].values.tolist() for name in ("physics", "place", "parameter", "smallest", "units")), strict=True
+    )
+    best: dict[str, tuple[str, str, float, str]] = {}
+    for physics, place, parameter, smallest, unit in rows:
+        if physics not in best or smallest < best[physics][2]:
+            best[physics] = (place, parameter, smallest, "" if unit == "1" else f" {unit}")
+    told = [f"  {what} at {row[0]}: {row[1]} {row[2]:.2g}{row[3]}" for what, row in list(best.items())[:MOST_LIMITS]]
+    return ["It would have been found from about:", *told]
+
+
+def number(estimate: Estimate) -> str:
+    """A value with its deviation and unit, to the digits that mean something."""
+    unit = "" if estimate.units == "1" else f" {estimate.units}"
+    if not math.isfinite(estimate.std):
+        return f"{estimate.value:.4g}{unit} (no interval)"
+    return f"{estimate.value:.4g} ± {estimate.std:.2g}{unit}"
+
+
+def _lines_of(finding: Finding) -> list[str]:
+    lines = [f"- {finding.physics} ({finding.form}) at {place_of(finding.location)}, probability {finding.probability:.3f}:"]
+    lines.append(f"  {finding.sentence}; " + ", ".join(f"{name} {number(e)}" for name, e in _main(finding)))
+    if finding.alternatives and finding.alternatives[0].probability > 0.01:
+        rival = finding.alternatives[0]
+        lines.append(f"  or {rival.physics} at {place_of(rival.location)} ({rival.probability:.3f}); {finding.experiment}")
+    return lines
+
+
+def _main(finding: Finding) -> list[tuple[str, Estimate]]:
+    """The first few parameters; the entries of a table say little by themselves."""
+    return [(name, estimate) for name, estimate in finding.parameters.items() if "[" not in name][:4]

@@ -1,0 +1,104 @@
+"""Two causes at once: which two claims leave least of the equations of motion, and how a couple is told as two findings."""
+
+import numpy as np
+import pytest
+from attrs import evolve
+
+from crashkit.diagnose.fitting.contest import identity, propose_all
+from crashkit.diagnose.fitting.couples import Couple, Led, _left_beside, _promises, coupled
+from crashkit.diagnose.fitting.regress import opened
+from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.name.look import Round
+from crashkit.diagnose.name.pairs import both
+from crashkit.model import Joint, Parameter
+from crashkit.model.edit import with_factor, with_joint
+from crashkit.protocols import Proposal
+
+TEAR = {"softening_deformation": 0.2, "softening_length": 0.15, "loss": 0.5}
+DASHPOT = {"damping": 6e3, "clearance": 0.0, "engagement": 1e-3}
+SECRETS = {("fracture", "joint first"), ("viscous_damping", "joint first")}
+
+
+def silent(doing, share):
+    """Nobody listens."""
+
+
+def fixed(values):
+    return {name: Parameter(value, fixed=True) for name, value in values.items()}
+
+
+@pytest.fixture(scope="module")
+def given(model, misfit, recorded):
+    """A model with its own numbers 15 % off, and recordings of one that tears and has a dashpot."""
+    torn = with_factor(model, "first", "softening", fixed(TEAR))
+    true = with_joint(torn, Joint("dashpot", model.joints[0].bodies, "viscous", fixed(DASHPOT)))
+    rough = {path: p.value * (1.15 if i % 2 else 0.85) for i, (path, p) in enumerate(model.free_parameters().items())}
+    return misfit(model.with_values(rough), slow=recorded(true, 0.9, 1), fast=recorded(true, 1.3, 2)).with_prior(0.3)
+
+
+@pytest.fixture(scope="module")
+def couples(workshop, given):
+    """All couples of some claims."""
+    physics = ("fracture", "bottoming", "viscous_damping", "peak_load", "joint_friction", "rate_dependence", "bias")
+    proposals = [p for p in propose_all(workshop, given) if p.physics in physics and not p.refined]
+    equipped = workshop.equipped([p.model for p in proposals])
+    return coupled(equipped, given, proposals, opened(equipped, given, proposals, silent), silent)
+
+
+def test_two_causes_are_found_together(couples):
+    """Neither of them alone comes near: with both, nothing but noise is left."""
+    best = couples[0]
+    assert {identity(best.first), identity(best.second)} == SECRETS
+    assert best.search.normalised == pytest.approx(1.0, abs=0.05)
+    values = best.search.misfit.values(best.search.point)
+    assert next(value for path, value in values.items() if path.endswith("damping")) == pytest.approx(6e3, rel=0.1)
+
+
+def test_no_couple_holds_one_claim_twice_and_none_comes_twice(couples):
+    claims = [frozenset((identity(one.first), identity(one.second))) for one in couples]
+    assert all(len(claim) == 2 for claim in claims)
+    assert len(set(claims)) == len(claims) > 1
+
+
+def test_each_of_two_findings_is_weighed_beside_the_other(workshop, given, couples):
+    base = begin(workshop.identifier, given).advance(40)
+    look = Round((), (), 1.0, base.fitted(), couples=tuple(couples))
+    rounds = both(workshop, base, look)
+    assert rounds is not None
+    assert {one.winner.identity for one in rounds} == SECRETS
+    for one in rounds:
+        without = begin(workshop.identifier, one.before)
+        assert one.winner.drop == pytest.approx(without.deviance - couples[0].search.deviance, rel=1e-6)
+        # A rival is another claim that was coupled with the one that stays.
+        assert all(rival.drop <= one.winner.drop for rival in one.rivals)
+
+
+def claim(physics, residual, shared, own):
+    proposal = Proposal(physics, "", {"joint": "first"}, None, tuple("ab"[: own.shape[1] - 1]), {})
+    return Led(proposal, {}, residual, shared, own)
+
+
+def test_what_two_claims_leave_is_the_least_squares_of_all_their_numbers():
+    random = np.random.default_rng(1)
+    shared, first, second = (random.normal(size=(60, count)) for count in (3, 2, 3))
+    residual = random.normal(size=60)
+    leader, other = claim("one", residual, shared, first), claim("other", random.normal(size=60), shared, second)
+    # The last column is all that a claim changes: the leader's residual already holds that.
+    together = np.column_stack([shared, first[:, :-1], second])
+    left = residual - together @ np.linalg.lstsq(together, residual, rcond=None)[0]
+    ((promised, *claims),) = _promises(leader, [leader, other])
+    assert claims == [leader, other]
+    assert promised - leader.price - other.price == pytest.approx(0.5 * left @ left, rel=1e-9)
+
+
+def test_numbers_that_change_nothing_take_nothing_up():
+    basis = np.linalg.qr(np.arange(12.0).reshape(6, 2) ** 2)[0]
+    left = np.ones(6) - basis @ (basis.T @ np.ones(6))
+    assert _left_beside(left, basis, np.zeros((6, 2))) == pytest.approx(0.5 * left @ left)
+
+
+def test_a_claim_that_cannot_be_placed_alone_makes_no_two_findings(workshop, given, couples):
+    base = begin(workshop.identifier, given)
+    nowhere = evolve(couples[0].second, form="of another world")
+    look = Round((), (), 1.0, given, couples=(Couple(couples[0].first, nowhere, couples[0].search),))
+    assert both(workshop, base, look) is None

@@ -1,0 +1,34 @@
+"""The best fit of a model as it is."""
+
+import pytest
+
+from crashkit.diagnose.fitting import reidentify as module
+from crashkit.diagnose.fitting.reidentify import reidentify
+from crashkit.model import Parameter
+
+
+@pytest.fixture
+def far_from(model, misfit, recorded):
+    """The misfit of the model with thresholds twice as large as they are, from which steps downhill end elsewhere."""
+
+    def of(true):
+        far = model.with_values({path: 2.0 * p.value for path, p in model.free_parameters().items()})
+        return misfit(far, slow=recorded(true, 0.9, 1), fast=recorded(true, 1.2, 2))
+
+    return of
+
+
+def test_the_given_model_is_found_again_from_far_away(workshop, model, far_from):
+    assert reidentify(workshop, far_from(model)).normalised == pytest.approx(1.0, abs=0.05)
+
+
+@pytest.mark.parametrize(("has_more", "is_asked"), [(False, False), (True, True)])
+def test_it_is_looked_for_everywhere_only_where_something_is_left(workshop, model, far_from, has_more, is_asked, monkeypatch):
+    asked = []
+    found = module._found
+    monkeypatch.setattr(module, "_found", lambda finder, misfit: asked.append(finder) or found(finder, misfit))
+    monkeypatch.setattr(module, "spread", lambda function, items: [function(item) for item in items])
+    damped = model.with_parameters({"joint.first.rate_coefficient": Parameter(0.3, fixed=True)})
+    search = reidentify(workshop, far_from(damped if has_more else model))
+    assert (search.normalised > 1.5) == has_more
+    assert bool(asked) == is_asked

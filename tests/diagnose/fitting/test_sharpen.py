@@ -1,0 +1,85 @@
+"""What is found may outrun the recordings as they were thinned: it is then judged by finer ones."""
+
+from types import SimpleNamespace
+
+import pytest
+from attrs import evolve
+
+from crashkit.diagnose import diagnosis
+from crashkit.diagnose.fitting import sharpen
+from crashkit.diagnose.fitting.evidence import Rival
+from crashkit.diagnose.fitting.in_time import OutOfTimeError
+from crashkit.diagnose.fitting.sharpen import OutrunError, check_pace
+from crashkit.diagnose.name.look import Round
+from crashkit.diagnose.name.rounds import Discovery
+from crashkit.protocols import Proposal
+
+
+def leaving(normalised, misfit=None):
+    """A fit that leaves so much."""
+    return SimpleNamespace(normalised=normalised, excess=normalised**2 - 1.0, misfit=misfit)
+
+
+def claim(normalised, physics="joint_friction"):
+    """A claim whose fit leaves so much."""
+    search = leaving(normalised, SimpleNamespace(model=None))
+    return Rival(Proposal(physics, "", {"joint": "front"}, None, (), {}), search, 1000.0, 500.0)
+
+
+@pytest.fixture
+def finer(monkeypatch):
+    """A workshop whose recordings, thinned in the light of any claim, leave so much of it."""
+
+    def finer(normalised, recorded=("run",)):
+        monkeypatch.setattr(sharpen, "sharpened", lambda *_: leaving(normalised))
+        workshop = SimpleNamespace(recorded=recorded)
+        workshop.equipped = lambda models: workshop
+        return workshop
+
+    return finer
+
+
+GIVEN = SimpleNamespace(model=None)
+
+
+def test_a_claim_that_finer_recordings_explain_has_outrun_the_others(finer):
+    with pytest.raises(OutrunError, match="joint_friction") as caught:
+        check_pace(finer(1.01), GIVEN, claim(1.16))
+    assert caught.value.found.search.normalised == 1.01
+
+
+@pytest.mark.parametrize(
+    ("left", "then", "physics", "recorded"),
+    [
+        (1.16, 1.13, "joint_friction", ("run",)),
+        (1.04, 1.0, "joint_friction", ("run",)),
+        (1.16, 1.01, "unknown", ("run",)),
+        (1.16, 1.01, "joint_friction", ()),
+    ],
+)
+def test_a_claim_goes_on(finer, left, then, physics, recorded):
+    """Which leaves as much of finer recordings, is at the noise, is an estimate, or for which there are no finer ones."""
+    check_pace(finer(then, recorded), GIVEN, claim(left, physics))
+
+
+@pytest.mark.parametrize("is_answered", [True, False])
+def test_all_is_asked_again_of_finer_recordings_and_the_claim_stands_where_time_is_up(
+    workshop, model, misfit, recorded, monkeypatch, is_answered
+):
+    given = misfit(model, run=recorded(model))
+    base = diagnosis.begin(workshop.identifier, given)
+    found = Rival(Proposal("joint_friction", "", {"joint": "first"}, model, (), {}), base, 1000.0, 500.0)
+    asked = []
+
+    def discover(workshop, given, base_search, looks, progress):
+        asked.append((workshop.recorded, [rival for look in looks for rival in look.rivals]))
+        if len(asked) == 1:
+            raise OutrunError(found)
+        if not is_answered:
+            raise OutOfTimeError
+        return Discovery(base.fitted(), base.fitted(), base, (Round((evolve(found, drop=1.0),), (1.0,), 0.0, base.fitted()),))
+
+    monkeypatch.setattr(diagnosis, "discover", discover)
+    told = diagnosis._discovered(workshop, model, {"run": recorded(model)}, given, base, [], None)
+    assert asked == [({"run": asked[0][0]["run"]}, []), ({}, [found])]
+    assert told.rounds[0].rivals[0].drop == (1.0 if is_answered else 1000.0)

@@ -1,0 +1,65 @@
+"""Instruments against each other, by kinematics alone."""
+
+import numpy as np
+import pytest
+
+from crashkit.diagnose.locate.consistency import SIGNIFICANT, check_instruments
+
+
+@pytest.fixture
+def checked(recorded, misfit, model):
+    """The checks of two runs whose accelerometers were tampered with."""
+
+    def check(change=lambda dataset: dataset, seed=0):
+        runs = {f"run_{n}": recorded(model, speed, 10 * seed + n, accelerometer=change) for n, speed in enumerate((1.0, 1.3))}
+        groups = misfit(model, **runs).groups
+        return check_instruments({run: [group for group in groups if group.run == run] for run in runs})
+
+    return check
+
+
+def late(dataset, by=8):
+    """The readings of `by` samples earlier, at rest before them."""
+    values = dataset["acceleration"].values
+    return dataset.assign(acceleration=(dataset["acceleration"].dims, np.concatenate([0.0 * values[:by], values[:-by]])))
+
+
+FAULTS = {
+    "gain": (lambda d: d.assign(acceleration=1.05 * d["acceleration"]), 0.05),
+    "bias": (lambda d: d.assign(acceleration=d["acceleration"] + 5.0), 5.0),
+    "clock_offset": (late, 8 * 2.5e-4),
+}
+
+
+@pytest.mark.parametrize("error", FAULTS)
+def test_a_fault_is_found_and_measured(checked, error):
+    change, size = FAULTS[error]
+    table = checked(change).set_coords("error").swap_dims(check="error")
+    row = table.sel(error=error)
+    assert float(row["estimate"]) == pytest.approx(size, abs=4.0 * float(row["std"]) + 0.05 * size)
+    assert float(row["sigma"]) > SIGNIFICANT
+    assert "inconsistent" in str(row["sentence"].values)
+    assert str(row["place"].values) == "body front"
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_perfect_instruments_agree(checked, seed):
+    table = checked(seed=seed)
+    assert table.sizes["check"] == 3
+    assert table["sigma"].values.max() < 4.0
+    assert all("inconsistent" not in sentence for sentence in table["sentence"].values)
+
+
+def test_no_model_is_asked(checked, recorded, misfit, model):
+    """However wrong the model, the check is the same."""
+    runs = {"run": recorded(model)}
+    wrong = model.with_values({"joint.first.crush_force": 1e4})
+    first, second = (check_instruments({"run": list(misfit(m, **runs).groups)}) for m in (model, wrong))
+    assert first.identical(second)
+
+
+def test_one_instrument_alone_contradicts_nobody(recorded, misfit, model):
+    run = recorded(model)
+    del run["film"]
+    table = check_instruments({"run": list(misfit(model, run=run).groups)})
+    assert table.sizes["check"] == 0

@@ -1,0 +1,43 @@
+"""One form is brought near another by its forces alone."""
+
+import numpy as np
+import pytest
+
+from crashkit.diagnose.name.alike import most_alike
+from crashkit.mechanics.along import forces_along
+from crashkit.model import Joint, Parameter
+from crashkit.model.edit import with_joint
+
+
+@pytest.fixture
+def stopped(model):
+    """The model with a stop of some kind in parallel."""
+
+    def stop(law, **numbers):
+        return with_joint(model, Joint("stop", ("wall", "front"), law, numbers))
+
+    return stop
+
+
+def test_a_stop_gets_the_force_of_another_kind(workshop, misfit, recorded, stopped):
+    present = stopped("linear_stop", stiffness=Parameter(8e4, fixed=True), stop_deformation=Parameter(0.5, fixed=True))
+    other = stopped("quadratic_stop", coefficient=Parameter(0.0, 0.0, 1e12), stop_deformation=Parameter(0.2, 0.0, 1.0))
+    equipped = workshop.equipped([present, other])
+    known = equipped.first_misfit(present, {"run": recorded(present)})
+    begun = equipped.first_misfit(other, {"run": recorded(present)})
+    values = most_alike(known, begun, ["joint.stop.coefficient", "joint.stop.stop_deformation"], workshop.laws)
+    motion = known.predictor.motion("run", known.values(known.start()))
+    wanted, first, found = (
+        forces_along(one, workshop.laws, motion)["force"].sel(joint="stop").values
+        for one in (present, other, other.with_values(values))
+    )
+    assert np.linalg.norm(found - wanted) < 0.1 * np.linalg.norm(first - wanted)
+    assert {name: value for name, value in values.items() if "stop." not in name} == {
+        name: value for name, value in begun.values(begun.start()).items() if "stop." not in name
+    }
+
+
+def test_what_has_no_force_is_left_where_it_is(workshop, misfit, model, recorded):
+    weighed = model.with_parameters({"body.front.mass": Parameter(1000.0, 500.0, 2000.0)})
+    known = misfit(weighed, run=recorded(model))
+    assert most_alike(known, known, ["body.front.mass"], workshop.laws) == known.values(known.start())

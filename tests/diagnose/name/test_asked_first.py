@@ -1,0 +1,92 @@
+"""Where a further run contradicts an answer, the one of its rivals that explains all runs is told."""
+
+import pytest
+from attrs import evolve
+
+from crashkit.diagnose.fitting.contest import propose_all
+from crashkit.diagnose.fitting.evidence import rival_of
+from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.name.asked_first import asked_first
+from crashkit.diagnose.name.look import Round
+from crashkit.model import Joint, Parameter
+from crashkit.model.edit import with_joint
+
+
+@pytest.fixture
+def contradicted(workshop, model, misfit, recorded):
+    """A model without its dashpot, fitted to two runs, and what chosen claims made of the slow one alone."""
+    numbers = {"damping": 800.0, "clearance": 0.0, "engagement": 1e-3}
+    true = with_joint(model, Joint("dashpot", ("wall", "front"), "viscous", {n: Parameter(v) for n, v in numbers.items()}))
+    slow, fast = recorded(true, 0.9, 1), recorded(true, 1.2, 2)
+    alone, both = misfit(model, slow=slow), misfit(model, slow=slow, fast=fast)
+    base = begin(workshop.identifier, alone).advance(40)
+
+    def ask(*claims):
+        asked = evolve(workshop, hypotheses={name: workshop.hypotheses[name] for name in claims})
+        proposals = propose_all(asked, base.fitted())
+        first = {proposal.physics: proposal for proposal in reversed(proposals)}
+        fits = [begin(workshop.identifier, workshop.misfit(base.fitted(), first[name].model)).advance(20) for name in claims]
+        rivals = [rival_of(first[name], fit, base.deviance) for name, fit in zip(claims, fits, strict=True)]
+        best = begin(workshop.identifier, both).advance(40)
+        looks = (Round(tuple(rivals), (1.0,) * len(rivals), 0.0, base.fitted()),) if rivals else ()
+        return asked_first(workshop, both, best, looks, lambda doing, share: None)
+
+    return ask
+
+
+def test_the_rival_that_explains_all_runs_is_told(contradicted):
+    found = contradicted("clearance", "viscous_damping")
+    assert [look.rivals[0].proposal.physics for look in found.rounds] == ["viscous_damping"]
+    assert found.search.normalised == pytest.approx(1.0, abs=0.05)
+    assert set(found.search.misfit.recordings) == {"slow", "fast"}
+
+
+def test_where_none_does_everything_must_be_asked(contradicted):
+    assert contradicted("clearance") is None
+
+
+def test_without_rivals_too(contradicted):
+    assert contradicted() is None
+
+
+@pytest.fixture
+def refound(workshop, model, misfit, recorded):
+    """Two findings of a slow run, one in a form that is off, and what is said of them beside a faster run."""
+    power = {"damping": 800.0, "exponent": 1.6, "tension": 0.0, "clearance": 0.0, "engagement": 1e-3}
+    dashpot = Joint("dashpot", ("wall", "front"), "viscous_power", {n: Parameter(v, fixed=True) for n, v in power.items()})
+    true = with_joint(model, dashpot)
+
+    def too_little(dataset):
+        return dataset.assign(acceleration=0.8 * dataset["acceleration"])
+
+    slow, fast = (recorded(true, speed, seed, accelerometer=too_little) for speed, seed in ((0.9, 1), (1.2, 2)))
+
+    def ask(*claims):
+        alone, both = misfit(model, slow=slow), misfit(model, slow=slow, fast=fast)
+        current = begin(workshop.identifier, alone).advance(40)
+        looks = []
+        for name, form in claims:
+            forms = [p for p in propose_all(workshop, current.fitted()) if (p.physics, p.form) == (name, form)]
+            claim = next(p for p in forms if p.location.get("instrument") != "film")
+            search = begin(workshop.identifier, workshop.misfit(current.fitted(), claim.model)).advance(40)
+            looks.append(Round((rival_of(claim, search, current.deviance),), (1.0,), 0.0, current.fitted()))
+            current = search
+        best = begin(workshop.identifier, both).advance(40)
+        return asked_first(workshop, both, best, looks, lambda doing, share: None)
+
+    return ask
+
+
+def test_two_findings_are_told_in_the_forms_that_all_runs_ask_for(refound):
+    found = refound(("gain_error", "constant"), ("viscous_damping", "linear"))
+    gain, damping = (look.rivals[0].proposal for look in found.rounds)
+    assert gain.form == "constant"
+    assert damping.form.startswith("power")
+    assert found.search.misfit.values(found.search.point)["joint.first_viscous_damping.exponent"] == pytest.approx(
+        1.6, abs=0.1
+    )
+    assert all(set(look.before.recordings) == {"slow", "fast"} and look.rivals[0].drop > 100.0 for look in found.rounds)
+
+
+def test_where_no_form_of_them_explains_all_runs_everything_must_be_asked(refound):
+    assert refound(("gain_error", "constant"), ("clearance", "gap")) is None

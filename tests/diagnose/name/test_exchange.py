@@ -1,0 +1,53 @@
+"""A stand-in gives way to what it stood in for."""
+
+import pytest
+
+from crashkit.diagnose.fitting.contest import propose_all
+from crashkit.diagnose.fitting.evidence import rival_of
+from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.name.exchange import exchanged
+from crashkit.diagnose.name.look import Round
+from crashkit.model import Joint, Parameter
+from crashkit.model.edit import with_joint
+
+DASHPOT = {"damping": 300.0, "clearance": 0.0, "engagement": 1e-3}
+
+
+@pytest.fixture
+def base(workshop, model, misfit, recorded):
+    """The best fit of a model without its dashpot."""
+    fixed = {name: Parameter(value, fixed=True) for name, value in DASHPOT.items()}
+    true = with_joint(model, Joint("dashpot", ("wall", "front"), "viscous", fixed))
+    given = misfit(model, slow=recorded(true, 0.9, 1), fast=recorded(true, 1.3, 2))
+    return begin(workshop.identifier, given).advance(40)
+
+
+@pytest.fixture
+def look(workshop, base):
+    """A look that one form of a physics has won, fitted beside some findings."""
+
+    def at(before, physics, form):
+        proposals = propose_all(workshop, before.fitted())
+        proposal = next(p for p in proposals if (p.physics, p.form) == (physics, form))
+        start = workshop.misfit(before.fitted(), proposal.model).with_values({proposal.parameters[0]: 100.0})
+        found = begin(workshop.identifier, start).advance(60)
+        return Round((rival_of(proposal, found, before.deviance),), (1.0,), 0.0, before.fitted())
+
+    return at
+
+
+def test_a_dashpot_takes_the_place_of_the_friction_that_imitated_it(workshop, base, look):
+    friction = look(base, "joint_friction", "sharp")
+    imitation = friction.rivals[0].search
+    last = look(imitation, "viscous_damping", "linear")
+    (kept,), search = exchanged(workshop, base, [friction], imitation, last)
+    assert [rival.proposal.physics for rival in kept.rivals] == ["viscous_damping", "joint_friction"]
+    assert kept.probabilities[0] > 0.99
+    assert search.deviance < imitation.deviance - 20.0
+    assert search.misfit.values(search.point)["joint.first_viscous_damping.damping"] == pytest.approx(300.0, rel=0.1)
+
+
+def test_what_explains_no_more_takes_no_place(workshop, base, look):
+    dashpot = look(base, "viscous_damping", "linear")
+    search = dashpot.rivals[0].search
+    assert exchanged(workshop, base, [dashpot], search, look(search, "joint_friction", "sharp")) is None

@@ -1,0 +1,137 @@
+"""What explains the recordings near at hand is told at once; an instrument that is wrong is put right before all is asked."""
+
+from types import SimpleNamespace
+
+import pytest
+from attrs import evolve
+
+from crashkit.diagnose.fitting.evidence import Rival
+from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.name import explore
+from crashkit.diagnose.name.discover import discover
+from crashkit.diagnose.name.explore import _is_confirmed, _is_wrong_beside_more, _suffices, discovered
+from crashkit.diagnose.name.look import Round
+from crashkit.diagnose.name.rounds import Discovery
+from crashkit.model import Joint, Parameter
+from crashkit.model.edit import with_joint
+from crashkit.protocols import Proposal
+
+SENSOR = {"sensor": "front_sensor", "instrument": "accelerometer"}
+
+
+def silent(doing, share):
+    """Nobody watches."""
+
+
+def leaving(normalised, physics="fracture", location=None):
+    """A round whose winner leaves so much."""
+    point = SimpleNamespace(departure=lambda at: 0.0)
+    search = SimpleNamespace(normalised=normalised, excess=normalised**2 - 1.0, misfit=point, point=None)
+    rival = Rival(Proposal(physics, "", location or {"joint": "front"}, None, (), {}), search, 9000.0, 4500.0)
+    return Round((rival,), (1.0,), 0.0, None)
+
+
+def found(normalised, physics=("fracture",), last=True):
+    rounds = tuple(leaving(normalised, one) for one in physics)
+    return Discovery(None, None, rounds[-1].rivals[0].search, rounds, leaving(1.0) if last else None)
+
+
+@pytest.mark.parametrize(("given", "suffices"), [(9.0, True), (2.0, False)])
+def test_one_cause_is_enough_if_a_second_could_explain_too_little_to_be_told(monkeypatch, given, suffices):
+    """At 1.03 times the noise, where the model left so much."""
+    monkeypatch.setattr(explore, "explains", lambda search: False)
+    monkeypatch.setattr(explore, "is_sound", lambda search: True)
+    assert _suffices(found(1.03), leaving(given).rivals[0].search) is suffices
+
+
+@pytest.mark.parametrize(
+    ("left", "physics", "last", "suffices"),
+    [
+        (1.08, ("fracture", "tension"), True, True),
+        (1.2, ("fracture", "tension"), True, False),
+        (1.08, ("fracture", "tension"), False, False),
+        (1.08, ("fracture", "unknown"), True, False),
+        (1.08, ("fracture", "tension", "bias"), True, False),
+    ],
+)
+def test_two_causes_are_enough_if_they_leave_next_to_nothing_and_no_third_convinces(left, physics, last, suffices):
+    """Where the model left nine times the noise."""
+    assert _suffices(found(left, physics, last), leaving(9.0).rivals[0].search) is suffices
+
+
+def test_what_everything_in_sight_only_confirms_is_told():
+    """By the same winner that leaves hardly less."""
+    assert _is_confirmed(found(1.12), leaving(1.11))
+    assert not _is_confirmed(found(1.12), leaving(1.05))
+    assert not _is_confirmed(found(1.12), leaving(1.11, "tension"))
+    assert not _is_confirmed(found(1.12), Round((), (), 1.0, None))
+    assert not _is_confirmed(found(1.12, ("fracture", "fracture")), leaving(1.11))
+    assert not _is_confirmed(found(1.3), leaving(1.29))
+
+
+@pytest.mark.parametrize(("leaves", "asked"), [([5.0, 2.0, 1.1, 0.9], 3), ([5.0, 4.9, 1.0], 1), ([0.98, 0.5, 0.4], 1)])
+def test_everything_is_asked_again_from_where_the_model_alone_leaves_half_as_much(monkeypatch, leaves, asked):
+    """But not of a model at the noise, whatever is left of that."""
+    alone = [SimpleNamespace(normalised=one, excess=one**2 - 1.0, fitted=lambda one=one: one) for one in leaves]
+    looked = []
+
+    def look_again(workshop, given, current, *others, **named):
+        looked.append(current)
+        return Round((), (), 1.0, None)
+
+    monkeypatch.setattr(explore, "look_again", look_again)
+    monkeypatch.setattr(explore, "alone_again", lambda search, misfits: alone[alone.index(search) + 1])
+    monkeypatch.setattr(explore, "may_conceal", lambda misfit: False)
+    monkeypatch.setattr(explore, "_won", lambda search, look: None)
+    monkeypatch.setattr(explore, "_widely", lambda workshop, given, search, *others: search)
+    monkeypatch.setattr(explore, "_where_it_acts", lambda workshop, given, found: found)
+    found = explore.discovered(None, None, alone[0], silent)
+    assert looked == leaves[:asked]
+    assert found is alone[asked - 1]
+
+
+def test_an_instrument_is_put_right_first_where_much_more_is_left():
+    """What leaves next to nothing is all there is, and the structure is asked as it always was."""
+    assert _is_wrong_beside_more(leaving(3.0, "gain_error", SENSOR))
+    assert not _is_wrong_beside_more(leaving(1.1, "gain_error", SENSOR))
+    assert not _is_wrong_beside_more(leaving(3.0))
+    assert not _is_wrong_beside_more(Round((), (), 1.0, None))
+
+
+@pytest.fixture
+def asked(workshop, model, misfit, recorded):
+    """What is found of a damped model without its dashpot whose accelerometer reads too little, of two claims."""
+    dashpot = {name: Parameter(value, fixed=True) for name, value in {"damping": 800.0, "clearance": 0.0}.items()}
+    true = with_joint(model, Joint("dashpot", ("wall", "front"), "viscous", dashpot))
+
+    def too_little(dataset):
+        return dataset.assign(acceleration=0.6 * dataset["acceleration"])
+
+    def ask(how):
+        both = {
+            "slow": recorded(true, 0.9, 1, accelerometer=too_little),
+            "fast": recorded(true, 1.2, 2, accelerometer=too_little),
+        }
+        few = evolve(workshop, hypotheses={name: workshop.hypotheses[name] for name in ("viscous_damping", "gain_error")})
+        given = misfit(model, **both)
+        return how(few, given, begin(workshop.identifier, given).advance(40))
+
+    return ask
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        lambda workshop, given, base: discovered(workshop, given, base, silent),
+        lambda workshop, given, base: discover(workshop, given, base, (), silent),
+    ],
+    ids=["the structure is asked first", "kinematics is asked first"],
+)
+def test_an_instrument_that_is_wrong_and_what_the_structure_lacks_are_both_found(asked, how):
+    told = asked(how)
+    claims = {look.rivals[0].identity for look in told.rounds}
+    assert claims == {("viscous_damping", "joint first"), ("gain_error", "sensor front_sensor")}
+    assert told.search.normalised < 1.0
+    values = told.search.misfit.values(told.search.point)
+    assert values[next(name for name in values if name.endswith("gain"))] == pytest.approx(0.6, rel=0.01)
+    assert values[next(name for name in values if name.endswith("damping"))] == pytest.approx(800.0, rel=0.05)

@@ -1,0 +1,100 @@
+"""A finding in a poor form is told in a better one, which leaves no room for what made up for it."""
+
+import pytest
+
+from crashkit.diagnose.fitting.evidence import Rival
+from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.name.forms import in_best_forms
+from crashkit.diagnose.name.look import LEAST_DROP, Round
+from crashkit.diagnose.name.rivals import further_rivals, nearest_rivals
+from crashkit.diagnose.name.rounds import reconsidered
+from crashkit.model import Parameter
+from crashkit.model.edit import with_factor
+
+POWER = {"rate_amplitude": 0.25, "rate_exponent": 0.25}
+BOTH_WAYS = {"rate_amplitude": 0.12, "reference_rate": 0.3}
+
+
+def silent(doing, share):
+    """Nobody listens."""
+
+
+@pytest.fixture
+def base(workshop, model, misfit, recorded):
+    """The best fit of a model without a rate effect to three runs of one that has it."""
+
+    def fit(factor, numbers):
+        true = with_factor(model, "first", factor, {name: Parameter(v, fixed=True) for name, v in numbers.items()})
+        given = misfit(model, slow=recorded(true, 0.6, 1), middle=recorded(true, 1.0, 2), fast=recorded(true, 1.8, 3))
+        return begin(workshop.identifier, given).advance(40)
+
+    return fit
+
+
+@pytest.fixture
+def proposed(workshop):
+    """All forms of a physics beside a fit."""
+
+    def propose(search, physics):
+        fitted = search.fitted()
+        motion = [fitted.predictor.motion(run, fitted.values(fitted.start())) for run in fitted.recordings]
+        return workshop.hypotheses[physics]().propose(fitted.model, motion, list(fitted.recordings.values()))
+
+    return propose
+
+
+@pytest.fixture
+def finding(workshop, proposed):
+    """A physics in one form, fitted beside what there is."""
+
+    def find(search, physics, form):
+        proposal = next(one for one in proposed(search, physics) if one.form == form)
+        start = workshop.misfit(search.fitted(), proposal.model).with_values({proposal.parameters[0]: 0.01})
+        found = begin(workshop.identifier, start).advance(60)
+        drop = search.deviance - found.deviance
+        return Round((Rival(proposal, found, drop, 0.5 * drop),), (1.0,), 0.0, search.fitted())
+
+    return find
+
+
+def test_a_better_form_takes_the_place_of_a_poor_one(workshop, base, finding):
+    without = base("rate_power", POWER)
+    look = finding(without, "rate_dependence", "linear")
+    poor = look.rivals[0].search
+    (better,), search = in_best_forms(workshop, without, [look], poor, silent)
+    assert poor.normalised > 1.05
+    assert better.rivals[0].proposal.form == "power"
+    assert better.rivals[0].search is search
+    assert search.normalised == pytest.approx(1.0, abs=0.03)
+    assert better.rivals[0].drop == pytest.approx(without.deviance - search.deviance)
+    values = search.misfit.values(search.point)
+    assert values["joint.first.rate_exponent"] == pytest.approx(POWER["rate_exponent"], abs=0.1)
+
+
+def test_a_form_that_leaves_nothing_is_not_questioned(workshop, base, finding):
+    without = base("rate_power", POWER)
+    look = finding(without, "rate_dependence", "power")
+    assert in_best_forms(workshop, without, [look], look.rivals[0].search, pytest.fail) == ([look], look.rivals[0].search)
+
+
+def test_a_fine_form_waits_until_a_plain_one_leaves_something(workshop, base, proposed):
+    for factor, numbers, is_tried in (("rate_power", POWER, False), ("rate_eyring", BOTH_WAYS, True)):
+        without = base(factor, numbers)
+        fitted = without.fitted()
+        proposals = proposed(without, "rate_dependence")
+        nearest, _ = nearest_rivals(workshop, fitted, proposals, lambda _: LEAST_DROP, silent)
+        ranked = further_rivals(workshop, fitted, fitted, proposals, nearest, True, silent).rivals
+        plain = [rival for rival in ranked if not rival.proposal.refined]
+        assert (min(rival.search.normalised for rival in plain) > 1.05) is is_tried
+        assert any(rival.proposal.form == "both ways" for rival in ranked) is is_tried
+
+
+def test_what_made_up_for_a_poor_form_is_dropped(workshop, base, finding):
+    without = base("rate_eyring", BOTH_WAYS)
+    first = finding(without, "rate_dependence", "logarithm")
+    second = finding(first.rivals[0].search, "fracture", "compression")
+    given, both = without.misfit, second.rivals[0].search
+    assert both.deviance < first.rivals[0].search.deviance - 20.0
+    (kept,), search = reconsidered(workshop, given, without, [first, second], both, silent)
+    assert kept.rivals[0].proposal.form == "both ways"
+    assert search.normalised == pytest.approx(1.0, abs=0.03)

@@ -1,0 +1,95 @@
+"""Named causes instead of a table: in a better form, or two; whose round comes first, and when the table stays."""
+
+from types import SimpleNamespace
+
+import pytest
+from attrs import evolve
+
+from crashkit.diagnose.fitting.evidence import Rival
+from crashkit.diagnose.name import pairs
+from crashkit.diagnose.name.look import Round
+from crashkit.diagnose.result import UNKNOWN
+from crashkit.protocols import Proposal
+
+
+def rival(physics, deviance, normalised=1.5):
+    search = SimpleNamespace(deviance=deviance, normalised=normalised, fitted=lambda: None)
+    drop = 5000.0 - deviance
+    return Rival(Proposal(physics, "", {"joint": "front"}, None, ("a",), {}), search, drop, 0.5 * drop)
+
+
+def won_by(*rivals):
+    return Round(rivals, (1.0,) + (0.0,) * (len(rivals) - 1), 0.0, None)
+
+
+@pytest.fixture
+def named(monkeypatch):
+    """What stands in the place of a round that a table won, where later looks are these, a claim alone fits so well, and the
+    best named cause in its best form so well."""
+
+    def ask(look, later, alone=3000.0, formed=None, imitation=None):
+        def better(rounds):
+            found = rival(rounds[0].rivals[0].proposal.physics, formed) if formed else rounds[0].rivals[0]
+            return [evolve(rounds[0], rivals=(found, *rounds[0].rivals[1:]))]
+
+        looks = iter(later)
+        imitations = [("fracture", imitation)] if imitation else []
+        monkeypatch.setattr(pairs, "imitating", lambda *_: imitations)
+        monkeypatch.setattr(pairs, "ranked_by_evidence", lambda found, reference: [rival(*one) for one in found])
+        monkeypatch.setattr(pairs, "look_again", lambda *_: next(looks))
+        monkeypatch.setattr(pairs, "settled", lambda workshop, given, look, winner, found, progress: look)
+        monkeypatch.setattr(pairs, "in_best_forms", lambda workshop, base, rounds, search, progress: (better(rounds), search))
+        monkeypatch.setattr(pairs, "rebuild", lambda workshop, base, rivals, last: rival("alone", alone).search)
+        first, then = pairs.named_before_unknown(None, None, None, look, None)
+        return [one.rivals[0].proposal.physics for one in first], then.rivals[0].proposal.physics
+
+    return ask
+
+
+TABLE = rival(UNKNOWN, 1000.0)
+NOTHING = evolve(won_by(rival("bias", 990.0)), nothing=1.0)
+
+
+def test_the_best_named_cause_and_one_beside_it_that_fit_better_than_the_table(named):
+    look = won_by(TABLE, rival("fracture", 2000.0))
+    assert named(look, [won_by(rival("clearance", 500.0))]) == (["fracture"], "clearance")
+
+
+def test_a_cause_that_stands_out_only_beside_the_table(named):
+    """The best named cause stood in for both, and nothing fits beside it."""
+    look = won_by(TABLE, rival("carried_load", 2000.0))
+    later = [NOTHING, won_by(rival("ground_friction", 600.0)), won_by(rival("progressive_folding", 500.0))]
+    assert named(look, later) == (["ground_friction"], "progressive_folding")
+
+
+@pytest.mark.parametrize(
+    "later",
+    [
+        [NOTHING, NOTHING],
+        [NOTHING, won_by(rival(UNKNOWN, 600.0))],
+        [NOTHING, won_by(rival("ground_friction", 600.0)), NOTHING],
+        [NOTHING, won_by(rival("ground_friction", 600.0)), won_by(rival("progressive_folding", 1500.0))],
+        [NOTHING, won_by(rival("ground_friction", 600.0)), won_by(rival(UNKNOWN, 500.0))],
+    ],
+)
+def test_otherwise_the_table_stays(named, later):
+    assert named(won_by(TABLE, rival("carried_load", 2000.0)), later) == ([], UNKNOWN)
+
+
+@pytest.mark.parametrize("normalised", [1.0, 1.5])
+def test_one_named_cause_that_fits_better_once_it_has_its_best_form(named, normalised):
+    look = won_by(rival(UNKNOWN, 1000.0, normalised), rival("fracture", 2000.0))
+    assert named(look, [], formed=990.0) == ([], "fracture")
+
+
+def test_a_table_at_the_noise_is_believed(named):
+    look = won_by(rival(UNKNOWN, 1000.0, normalised=1.0), rival("fracture", 2000.0))
+    assert named(look, [], formed=1010.0) == ([], UNKNOWN)
+
+
+def test_a_cause_that_imitates_the_table_and_fits_better_comes_first(named):
+    assert named(won_by(TABLE, rival("relaxation", 2000.0)), [], imitation=990.0) == ([], "fracture")
+    assert named(won_by(rival(UNKNOWN, 1000.0, normalised=1.0), rival("relaxation", 2000.0)), [], imitation=1100.0) == (
+        [],
+        UNKNOWN,
+    )

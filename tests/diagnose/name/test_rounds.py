@@ -1,0 +1,214 @@
+"""What the final fit can spare is not told, and what it cannot spare is."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from attrs import evolve
+
+from crashkit.diagnose.diagnosis import _is_worthless, _leading
+from crashkit.diagnose.fitting.evidence import Rival
+from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.name import rounds as questioned
+from crashkit.diagnose.name.look import LEAST_DROP, Round, _is_given, least_drop
+from crashkit.diagnose.name.needed import _asked, needed, price
+from crashkit.diagnose.name.rounds import Discovery, _corrects, _was_asked, reconsidered
+from crashkit.diagnose.show.left_out import left_out_drop
+from crashkit.model import Joint, Parameter
+from crashkit.model.edit import with_body, with_joint
+from crashkit.protocols import Proposal
+
+
+def silent(doing, share):
+    """Nobody watches."""
+
+
+def test_a_finding_that_the_fit_can_spare_is_dropped(workshop, offered):
+    look, base, final = offered(0.0)
+    kept, _, without = needed(workshop, (look,), base, final)
+    assert kept == ()
+    assert without.misfit.names == base.misfit.names
+
+
+def test_a_finding_that_the_fit_needs_is_kept(workshop, offered):
+    look, base, final = offered(800.0)
+    kept, *searches = needed(workshop, (look,), base, final)
+    assert [one.rivals for one in kept] == [look.rivals]
+    assert searches == [base, final]
+
+
+@pytest.mark.parametrize(("explained", "is_told"), [(1.0, True), (1e9, False)])
+def test_a_finding_at_the_place_of_another_must_explain_a_share_of_it(workshop, offered, explained, is_told):
+    """The error of that one's form looks like a force there, and a force at another place is something else."""
+    look, base, final = offered(800.0)
+    here = evolve(look, rivals=(evolve(look.rivals[0], drop=explained),))
+    asked = _asked(look.rivals[0], [here], final.misfit)
+    assert asked == pytest.approx(max(LEAST_DROP, 0.05 * explained))
+    assert (base.deviance - final.deviance > asked) is is_told
+    moved = evolve(here.rivals[0], proposal=evolve(here.rivals[0].proposal, location={"joint": "elsewhere"}))
+    assert _asked(look.rivals[0], [evolve(here, rivals=(moved,))], final.misfit) == LEAST_DROP
+
+
+def test_what_is_kept_is_seen_against_the_model_without_what_was_dropped(workshop, model, offered):
+    """When it was found, a mass stood beside it that the final model does not have."""
+    look, base, final = offered(800.0)
+    loaded = with_body(model, evolve(model.body("front"), name="load", mass=Parameter(1.0, fixed=True), carrier="front"))
+    (kept,), _, _ = needed(workshop, (evolve(look, before=workshop.misfit(look.before, loaded)),), base, final)
+    assert kept.before.model == base.fitted().model
+    assert kept.before.channels == look.before.channels
+
+
+def test_what_all_samples_do_not_pay_for_is_worthless(offered):
+    for damping, worthless in ((0.0, True), (800.0, False)):
+        look, base, final = offered(damping)
+        assert _is_worthless((look,), base.fitted(), final.fitted()) is worthless
+
+
+def test_a_run_that_contradicts_is_asked_for_what_was_found_before_everything(offered):
+    """For the rivals of a single look, also where its finding was dropped; for several findings if each was plain."""
+    look, base, _ = offered(800.0)
+    doubtful = evolve(look, probabilities=(0.6,))
+    one, none, two, other = (
+        Discovery(base.fitted(), base.fitted(), base, rounds, last)
+        for rounds, last in (((look,), None), ((), look), ((look, look), None), ((look, doubtful), None))
+    )
+    assert _leading(one) == _leading(none) == (look,)
+    assert _leading(two) == (look, look)
+    assert _leading(other) == _leading(evolve(none, last=None)) == ()
+
+
+def test_the_price_of_a_table_is_that_of_its_heights(misfit, model, recorded):
+    """An early search may have ended in a valley, where a table helped; at the end it must be worth its heights there too."""
+    one = misfit(model, run=recorded(model))
+    samples = np.log(one.independent_samples)
+    dashpot, table = (Proposal("any", "", {"joint": "first"}, model, ("a",) * count, {}) for count in (1, 25))
+    assert price(dashpot, one) == LEAST_DROP
+    assert price(table, one) == pytest.approx(25.0 * samples) and price(table, one) > 5.0 * LEAST_DROP
+
+
+def test_a_table_corrects_a_law_that_was_named_at_its_place():
+    def rival(physics, joint):
+        return Rival(Proposal(physics, "", {"joint": joint}, None, (), {}), None, 100.0, 50.0)
+
+    named = [Round((rival("peak_load", "front"),), (1.0,), 0.0, None)]
+    assert _corrects(rival("unknown", "front"), named)
+    assert not _corrects(rival("unknown", "rear"), named)
+    assert not _corrects(rival("fracture", "front"), named)
+    assert not _corrects(rival("unknown", "front"), [])
+
+
+@pytest.mark.parametrize(("alone", "left"), [(7000.0, ["fracture", "bias"]), (1150.0, ["bias"])])
+def test_a_finding_that_is_questioned_stays_unless_it_explains_too_little(monkeypatch, alone, left):
+    """Nothing convinces in its place; without it the model leaves so much."""
+
+    def one(physics):
+        proposal = Proposal(physics, "", {"joint": physics}, None, (), {})
+        return Round((Rival(proposal, None, 9000.0, 4500.0),), (1.0,), 0.0, None)
+
+    def without(workshop, base_search, rivals, last):
+        deviance = alone if [rival.proposal.physics for rival in rivals] == ["bias"] else 9000.0
+        return SimpleNamespace(deviance=deviance, normalised=1.5, fitted=lambda: None)
+
+    nothing = Round((), (), 1.0, None, least=180.0)
+    monkeypatch.setattr(questioned, "_was_asked", lambda look, without: False)
+    monkeypatch.setattr(questioned, "rebuild", without)
+    monkeypatch.setattr(questioned, "in_best_forms", lambda workshop, base, looks, search, progress: (looks, search))
+    monkeypatch.setattr(questioned, "look_again", lambda *_: nothing)
+    together = SimpleNamespace(deviance=1000.0, normalised=1.4)
+    kept, _ = reconsidered(None, None, None, [one("fracture"), one("bias")], together, None)
+    assert [look.rivals[0].proposal.physics for look in kept] == left
+
+
+def test_the_same_is_not_asked_twice(workshop, model, misfit, recorded):
+    """Of a model in the same laws, at a fit that is no better than the one that was asked."""
+    exact = misfit(model, run=recorded(model))
+    path, stiffness = next(iter(model.free_parameters().items()))
+    off = exact.with_values({path: 1.2 * stiffness.value})
+    dashpot = with_joint(model, Joint("dashpot", ("wall", "front"), "viscous", {"damping": Parameter(0.0, fixed=True)}))
+    same, worse, other = (
+        begin(workshop.identifier, one) for one in (exact, off, workshop.equipped([dashpot]).misfit(exact, dashpot))
+    )
+    look = Round((), (), 1.0, exact)
+    assert _was_asked(look, same)
+    assert _was_asked(look, worse)
+    assert not _was_asked(look, other)
+    assert not _was_asked(Round((), (), 1.0, off), same)
+
+
+def test_a_third_finding_must_explain_more_than_a_second():
+    def rival(drop, kind="joint", numbers=("one",)):
+        return Rival(Proposal("fracture", "", {kind: "front"}, None, numbers, {}), None, drop, 0.5 * drop)
+
+    assert least_drop([]) == least_drop([rival(100.0)]) == LEAST_DROP
+    assert least_drop([rival(1e5)]) == pytest.approx(1000.0)
+    assert least_drop([rival(1e5), rival(1e4)]) == pytest.approx(3300.0)
+    assert least_drop([rival(1e5, "instrument")]) == pytest.approx(100.0)
+    assert least_drop([rival(1e5, "sensor", ("one", "two"))]) == pytest.approx(1000.0)
+
+
+def test_what_a_finding_has_added_is_no_place_for_more(model):
+    assert _is_given(model, {"bodies": ["wall", "front"]}) and _is_given(model, {"joint": model.joints[0].name})
+    assert not _is_given(model, {"bodies": ["wall", "front_load"]})
+    assert not _is_given(model, {"body": "front_load"}) and not _is_given(model, {"joint": "front_friction"})
+
+
+def test_physics_that_is_there_predicts_runs_that_were_left_out(offered):
+    look, base, final = offered(800.0)
+    assert left_out_drop(base.fitted(), final) > 0.5 * look.rivals[0].drop > 100.0
+
+
+def test_one_run_leaves_nothing_to_predict(offered):
+    _, base, final = offered(800.0)
+    assert np.isnan(left_out_drop(base.fitted().with_recordings(("slow",)), final))
+
+
+@pytest.mark.parametrize(("place", "convinces"), [({"joint": "front"}, False), ({"sensor": "front", "instrument": "a"}, True)])
+def test_a_claim_about_one_instrument_need_not_explain_as_much_as_the_error_of_a_form(place, convinces):
+    rival = Rival(Proposal("any", "", place, None, (), {}), None, 250.0, 100.0)
+    assert (Round((rival,), (1.0,), 0.0, None, least=1000.0).winner is rival) == convinces
+    assert Round((rival,), (1.0,), 0.0, None, least=5000.0).winner is None
+
+
+@pytest.mark.parametrize(("damping", "least", "convinces"), [(800.0, 2.0, True), (800.0, 10.0, False), (0.0, 2.0, False)])
+def test_a_claim_after_which_nothing_is_left_need_not_explain_as_much_either(offered, damping, least, convinces):
+    """Where plainly something was left before."""
+    look, _, _ = offered(damping)
+    assert (evolve(look, least=least * abs(look.rivals[0].drop)).winner is not None) == convinces
+
+
+def claimed(physics, joint, normalised, form=""):
+    """A rival that leaves so much of a thousand samples, of which 3.0 times the noise were left before."""
+    misfit = SimpleNamespace(independent_samples=1000.0)
+    search = SimpleNamespace(normalised=normalised, excess=normalised**2 - 1.0, deviance=1e3 * normalised**2, misfit=misfit)
+    drop = 9e3 - search.deviance
+    return Rival(Proposal(physics, form, {"joint": joint}, None, ("a",), {}), search, drop, 0.5 * drop)
+
+
+@pytest.fixture
+def completed(monkeypatch):
+    """Whether a claim of a look is told beside tension in the first joint, if the form that suits it leaves `then`."""
+
+    def ask(claim, then, nothing=1.0):
+        formed = claimed(claim.proposal.physics, claim.proposal.location["joint"], then, "formed")
+        monkeypatch.setattr(questioned, "in_all_forms", lambda *_: [(formed.proposal, formed.search)])
+        monkeypatch.setattr(questioned, "settled", lambda workshop, given, look, *_: look)
+        monkeypatch.setattr(questioned, "in_best_forms", lambda workshop, base, rounds, search, progress: (rounds, search))
+        monkeypatch.setattr(questioned, "explains", lambda search: search.normalised < 1.02)
+        found = Round((claimed("tension", "first", 3.0),), (1.0,), 0.0, None)
+        table = claimed("unknown", "second", 1.5)
+        look = Round((table, claim), (0.5, 0.5), nothing, None, least=1e6)
+        return questioned._completed(None, None, None, [found], found.rivals[0].search, look, silent)
+
+    return ask
+
+
+def test_a_second_cause_that_leaves_nothing_in_its_best_form_is_told_though_it_convinced_in_none_yet(completed):
+    rounds, search = completed(claimed("fracture", "second", 1.7), then=1.01)
+    assert [look.rivals[0].proposal.form for look in rounds] == ["", "formed"]
+    assert [rival.proposal.physics for rival in rounds[1].rivals] == ["fracture", "unknown"]
+    assert search.normalised == 1.01
+
+
+@pytest.mark.parametrize(("joint", "left", "then"), [("second", 1.7, 1.1), ("second", 2.5, 1.01), ("first", 1.7, 1.01)])
+def test_what_leaves_something_or_hardly_less_or_corrects_the_first_is_not(completed, joint, left, then):
+    assert completed(claimed("fracture", joint, left), then) is None

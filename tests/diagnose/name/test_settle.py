@@ -1,0 +1,54 @@
+"""A round settled: its winner re-identified, and challenged by what says it in fewer numbers."""
+
+import pytest
+from attrs import evolve
+
+from crashkit.diagnose.fitting.contest import propose_all
+from crashkit.diagnose.fitting.evidence import ranked_by_evidence
+from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.name.look import Round
+from crashkit.diagnose.name.settle import settled
+from crashkit.testing import toys
+
+
+def silent(doing, share):
+    """Nobody watches."""
+
+
+def test_a_winner_that_leaves_something_is_identified_again(workshop, offered):
+    """It had stopped where its dashpot was ten times too strong."""
+    look, _, final = offered(800.0)
+    damping = look.rivals[0].proposal.parameters[0]
+    misled = final.misfit.with_values({**final.misfit.values(final.point), damping: 8000.0})
+    winner = evolve(look.rivals[0], search=begin(workshop.identifier, misled))
+    found = settled(workshop, look.before, look, winner, [], silent).rivals[0]
+    gained = winner.search.deviance - found.search.deviance
+    assert found.search.deviance == pytest.approx(final.deviance, abs=1.0)
+    assert (found.drop - winner.drop, found.evidence - winner.evidence) == pytest.approx((gained, 0.5 * gained))
+
+
+def test_a_winner_that_explains_everything_is_left_as_it_is(workshop, offered):
+    look, _, _ = offered(800.0)
+    assert settled(workshop, look.before, look, look.rivals[0], [], silent) is look
+
+
+@pytest.mark.parametrize("entered", [True, False])
+def test_a_load_on_a_stiff_tie_gives_way_to_a_mass_that_is_wrong(workshop, misfit, recorded, entered):
+    """The mass was only fitted from where the model without it had been driven, and had not got far, or was given up."""
+    rear = evolve(toys.two_degrees().body("rear").mass, fixed=True)
+    two = toys.two_degrees().with_parameters({"body.rear.mass": rear})
+    true = two.with_parameters({"body.rear.mass": evolve(rear, value=1.2 * rear.value)})
+    given = misfit(two, slow=recorded(true, 0.9, 1), fast=recorded(true, 1.2, 2)).with_prior(0.03)
+    base = begin(workshop.identifier, given).advance(40)
+    everything = [p for p in propose_all(workshop, base.fitted()) if p.location == {"body": "rear"}]
+    mass = next(p for p in everything if p.physics == "added_mass")
+    load = next(p for p in everything if p.form == "tied")
+    begun = [
+        begin(workshop.identifier, workshop.misfit(base.fitted(), p.model).with_values(p.starts[0])) for p in (load, mass)
+    ]
+    rivals = ranked_by_evidence([(load, begun[0].advance(60)), (mass, begun[1])], base.deviance)[: 2 if entered else 1]
+    assert rivals[0].proposal is load
+    look = settled(workshop, base.fitted(), Round(tuple(rivals), (1.0, 0.0), 0.0, base.fitted()), rivals[0], [], silent)
+    assert look.winner.identity == ("added_mass", "body rear")
+    found = look.winner.search
+    assert found.misfit.values(found.point)["body.rear.mass"] == pytest.approx(1.2 * rear.value, rel=0.02)

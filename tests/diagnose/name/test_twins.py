@@ -1,0 +1,66 @@
+"""What no recording tells apart shares its odds, in whatever form it was found."""
+
+import pytest
+from attrs import evolve
+
+from crashkit.diagnose.fitting.contest import propose_all
+from crashkit.diagnose.fitting.evidence import rival_of
+from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.name.look import Round
+from crashkit.diagnose.name.rounds import Discovery
+from crashkit.diagnose.name.twins import beside_twins
+from crashkit.model import Joint, Parameter
+from crashkit.model.edit import with_joint
+
+FRICTION = {"friction_force": 6e3, "slip_rate": 0.05, "stick": 0.8, "stick_rate": 0.6}
+TWINS = {("joint_friction", "joint first"), ("ground_friction", "body front")}
+
+
+@pytest.fixture(scope="module")
+def rubbing(workshop, model, misfit, recorded):
+    """A mass that friction brakes in its joint to the wall: the fit without it, and one with it in a form that falls."""
+    fixed = {name: Parameter(value, fixed=True) for name, value in FRICTION.items()}
+    true = with_joint(model, Joint("rub", ("wall", "front"), "coulomb", fixed))
+    base = begin(workshop.identifier, misfit(model, slow=recorded(true, 0.9, 1), fast=recorded(true, 1.2, 2))).advance(40)
+    proposals = propose_all(workshop, base.fitted())
+    falling = next(p for p in proposals if (p.physics, p.form) == ("joint_friction", "falling"))
+    start = workshop.misfit(base.fitted(), falling.model).with_values(falling.starts[0])
+    return base, falling, begin(workshop.identifier, start).advance(60)
+
+
+@pytest.fixture(scope="module")
+def beside(workshop, rubbing):
+    """What is told of that friction with its twins, where its form has these odds."""
+
+    def beside(odds):
+        base, falling, search = rubbing
+        look = Round((rival_of(evolve(falling, odds=odds), search, base.deviance),), (1.0,), 0.0, base.fitted())
+        return beside_twins(workshop, Discovery(base.fitted(), search.fitted(), search, (look,)))
+
+    return beside
+
+
+def test_friction_in_the_joint_to_the_wall_may_be_friction_on_the_ground(beside):
+    """Both forces are the same; the form that falls with the rate was only ever fitted in the joint."""
+    (told,) = beside(1.0).rounds
+    assert {rival.identity for rival in told.rivals[:2]} == TWINS
+    assert abs(told.probabilities[0] - told.probabilities[1]) < 0.2
+    assert sum(told.probabilities[:2]) > 0.95
+
+
+def test_the_likeliest_of_them_is_told(beside, rubbing):
+    discovery = beside(0.2)
+    (told,) = discovery.rounds
+    assert [rival.proposal.physics for rival in told.rivals[:2]] == ["ground_friction", "joint_friction"]
+    assert told.probabilities[0] == pytest.approx(5.0 * told.probabilities[1], rel=0.5)
+    assert set(told.rivals[0].proposal.parameters) <= set(discovery.final.names)
+    assert discovery.search.deviance == pytest.approx(rubbing[2].deviance, rel=1e-3)
+
+
+def test_an_estimated_force_has_no_twins(workshop, model, misfit, recorded):
+    base = begin(workshop.identifier, misfit(model, run=recorded(model)))
+    table = next(p for p in propose_all(workshop, base.fitted()) if p.physics == "unknown")
+    search = begin(workshop.identifier, workshop.misfit(base.fitted(), table.model))
+    look = Round((rival_of(table, search, base.deviance),), (1.0,), 0.0, base.fitted())
+    discovery = Discovery(base.fitted(), search.fitted(), search, (look,))
+    assert beside_twins(workshop, discovery).rounds == discovery.rounds

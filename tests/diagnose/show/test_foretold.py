@@ -1,0 +1,67 @@
+"""How well runs foretell others: the spread of predictions that the fitted numbers allow."""
+
+import numpy as np
+import pytest
+from attrs import evolve
+
+from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.show.foretold import foretold
+from crashkit.errors import SimulationError
+from crashkit.misfit import Misfit
+
+END = "joint.first.densification_deformation"
+AFTER = "joint.first.densification_stiffness"
+
+
+def fitted(workshop, misfit, model, runs):
+    search = begin(workshop.identifier, misfit(model, **runs).with_prior(0.3)).advance(40)
+    return search.fitted()
+
+
+def test_runs_that_tell_every_number_foretell_to_the_noise(workshop, model, misfit, recorded):
+    final = fitted(workshop, misfit, model, {"slow": recorded(model, 0.9, 1), "fast": recorded(model, 1.3, 2)})
+    expected, _ = foretold(final, misfit(final.model, held=recorded(model, 1.35, 3)), 0.3)
+    assert 1.0 < expected < 1.05
+
+
+def test_what_only_the_held_out_run_reaches_is_not_foretold_and_is_named(workshop, model, misfit, recorded):
+    """The fitted run stays on the plateau."""
+    final = fitted(workshop, misfit, model, {"slow": recorded(model, 0.5, 1)})
+    held = misfit(final.model, held=recorded(model, 1.3, 3))
+    (vague, untold), (sharp, _) = (foretold(final, held, believed) for believed in (0.3, 0.03))
+    assert untold in (END, AFTER)
+    assert vague > 5.0 and vague > 2.0 * sharp
+
+
+def test_it_is_what_models_leave_that_the_fitted_runs_cannot_tell_apart(workshop, model, misfit, recorded):
+    """Against numbers drawn from the posterior, each predicting a recording of the fitted model."""
+    final = fitted(workshop, misfit, model, {"slow": recorded(model, 0.9, 1), "fast": recorded(model, 1.2, 2)})
+    held = misfit(final.model, held=recorded(final.model, 1.3, 3))
+    jacobian = final.residual_and_jacobian(final.start())[1]
+    random, n = np.random.default_rng(0), held.independent_samples
+    draws = random.multivariate_normal(final.start(), np.linalg.inv(jacobian.T @ jacobian), 40)
+    clean = held.discrepancy(held.start())
+    left = np.mean([np.sum((held.discrepancy(draw) - clean) ** 2) for draw in draws])
+    expected, _ = foretold(final, held, 0.3)
+    assert n * (expected**2 - 1.0) == pytest.approx(left, rel=0.5)
+
+
+def test_where_there_is_nothing_to_know_nothing_is_uncertain(model, misfit, recorded):
+    fixed = model.with_parameters({path: evolve(p, fixed=True) for path, p in model.free_parameters().items()})
+    one = misfit(fixed, run=recorded(model))
+    assert foretold(one, one, 0.3) == (1.0, "")
+
+
+@pytest.mark.parametrize("broken", ["raises", "overflows"])
+def test_where_derivatives_cannot_be_had_nothing_is_promised(model, misfit, recorded, monkeypatch, broken):
+    one = misfit(model, run=recorded(model))
+    residual, jacobian = one.residual_and_jacobian(one.start())
+
+    def derivatives(self, scaled):
+        if broken == "raises":
+            raise SimulationError("it does not move")
+        return residual, np.full_like(jacobian, np.inf)
+
+    monkeypatch.setattr(Misfit, "residual_and_jacobian", derivatives)
+    expected, untold = foretold(one, one, 0.3)
+    assert np.isnan(expected) and untold == ""

@@ -1,0 +1,70 @@
+"""Numbers in the summary of a diagnosis."""
+
+import math
+from types import SimpleNamespace
+
+import pytest
+import xarray as xr
+
+from crashkit.diagnose.result import Estimate, Fit
+from crashkit.diagnose.show.fits import is_misleading
+from crashkit.diagnose.show.words import noted, number, of_prediction
+from crashkit.protocols import Status
+
+
+@pytest.mark.parametrize(
+    ("estimate", "expected"),
+    [
+        (Estimate(160200.0, 912.0, "N"), "1.602e+05 ± 9.1e+02 N"),
+        (Estimate(0.25, 0.01, "1"), "0.25 ± 0.01"),
+        (Estimate(0.02, math.nan, "m"), "0.02 m (no interval)"),
+        (Estimate(0.02, math.inf, "m"), "0.02 m (no interval)"),
+    ],
+)
+def test_a_number_is_told_with_its_deviation_if_it_has_one(estimate: Estimate, expected: str) -> None:
+    assert number(estimate) == expected
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "expected", "told"),
+    [
+        (3.0, 1.04, 30.0, []),
+        (
+            3.0,
+            1.4,
+            1.6,
+            ["foretell the held-out ones only to about 1.6 times the noise; what they do not tell is mostly beta"],
+        ),
+        (3.0, 1.4, 1.01, ["Of the right model about 1.01 times the noise is to be expected"]),
+        (3.0, 9.0, 1.6, ["predicted worse than before", "Of the right model about 1.60 times"]),
+    ],
+)
+def test_a_prediction_is_told_with_what_can_be_expected_of_it(before, after, expected, told):
+    fits = {"before": Fit(before, xr.Dataset()), "after": Fit(after, xr.Dataset(), expected, "beta")}
+    sentences = of_prediction(fits)
+    assert len(sentences) == len(told)
+    assert all(part in sentence for part, sentence in zip(told, sentences, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "expected", "misleads"),
+    [(3.0, 9.0, 1.6, True), (3.0, 9.0, 30.0, False), (3.0, 2.9, 1.6, False), (3.0, 9.0, math.nan, False)],
+)
+def test_what_held_out_runs_speak_against_is_not_believed(before, after, expected, misleads):
+    """They are predicted worse than before, though the fitted runs would foretell them."""
+    assert is_misleading({"before": Fit(before, xr.Dataset()), "after": Fit(after, xr.Dataset(), expected)}) is misleads
+    assert not is_misleading({})
+
+
+def test_without_held_out_runs_nothing_is_said_of_prediction():
+    assert of_prediction({}) == []
+
+
+@pytest.mark.parametrize(
+    ("rounds", "pointer", "notes"), [(("one",), "there", ["there"]), ((), "there", []), (("one",), None, [])]
+)
+def test_what_pointed_to_a_place_is_noted_with_the_finding_there(rounds, pointer, notes):
+    discovery = SimpleNamespace(rounds=rounds, pointer=pointer, final=SimpleNamespace(channels=()))
+    result = SimpleNamespace(status=Status.CONVERGED, unseen=())
+    fits = {"calibration": {"after": Fit(1.0, xr.Dataset())}, "holdout": {}}
+    assert list(noted(discovery, result, fits)) == notes
