@@ -17,6 +17,7 @@ from crashkit.diagnose.fitting.search import STEPS, Search, begin
 from crashkit.diagnose.fitting.sharpen import ROUGHLY, OutrunError, in_the_light_of, sharpened, weighed_alike
 from crashkit.diagnose.fitting.thinning import thinned_by
 from crashkit.diagnose.name.discover import discover
+from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Round
 from crashkit.diagnose.name.needed import needed, price
 from crashkit.diagnose.name.rounds import Discovery
@@ -103,16 +104,17 @@ def _discovered(
 ) -> Discovery:
     """What is found in time; where that outruns the recordings as they were thinned, by finer ones."""
     nothing = Discovery(base.fitted(), base.fitted(), base)
-    at_pace = evolve(workshop, recorded=recordings)
+    at_pace = Inquiry(evolve(workshop, recorded=recordings), base.misfit.with_values_of(given), base, progress)
     try:
-        return in_time(nothing, discover, at_pace, base.misfit.with_values_of(given), base, looks, progress)
+        return in_time(nothing, discover, at_pace, looks)
     except OutrunError as outrun:
         found = outrun.found
     thin = in_the_light_of(workshop, model, recordings, found.search.fitted())
     base = begin(workshop.identifier, thin.with_values(base.misfit.values(base.point))).advance(STEPS)
     alone = Round((found,), (1.0,), 0.0, base.fitted())
     so_far = Discovery(base.fitted(), found.search.fitted(), found.search, (alone,))
-    return in_time(so_far, discover, workshop, base.misfit.with_values_of(given), base, (alone,), progress)
+    finer = Inquiry(workshop, base.misfit.with_values_of(given), base, progress)
+    return in_time(so_far, discover, finer, (alone,))
 
 
 def _contradicted(

@@ -9,6 +9,7 @@ from crashkit.api import workshop as installed
 from crashkit.diagnose import Workshop
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Round
 from crashkit.mechanics import Simulator
 from crashkit.misfit import Misfit
@@ -66,6 +67,17 @@ def misfit(workshop):
         return workshop.first_misfit(model, recordings)
 
     return make
+
+
+@pytest.fixture(scope="session")
+def inquiry(workshop):
+    """Into a model, from its best fit, where the questions are real; nobody watches."""
+
+    def into(base, given=None, hypotheses=None) -> Inquiry:
+        few = workshop if hypotheses is None else evolve(workshop, hypotheses=hypotheses)
+        return Inquiry(few, given or (base and base.misfit), base, lambda doing, share: None)
+
+    return into
 
 
 @pytest.fixture

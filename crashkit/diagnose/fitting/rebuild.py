@@ -20,9 +20,9 @@ def alone_again(search: Search, misfits: Sequence[Misfit]) -> Search:
     return min([search, *advance_all(begun, STEPS)], key=lambda one: one.deviance)
 
 
-def rebuild(workshop: Workshop, base_search: Search, rivals: Sequence[Rival], last: Search) -> Search | None:
+def rebuild(workshop: Workshop, base: Search, rivals: Sequence[Rival], last: Search) -> Search | None:
     """The given model with these findings, fitted, from the values that they were last given; None if one cannot be placed."""
-    search = base_search
+    search = base
     for rival in rivals:
         current = search.fitted()
         proposal = next((p for p in propose_all(workshop, current) if is_same(p, rival.proposal)), None)

@@ -2,13 +2,10 @@
 
 from collections.abc import Iterable
 
-from crashkit.diagnose.fitting.contest import Progress
 from crashkit.diagnose.fitting.evidence import Rival, is_unknown, ranked_by_evidence
-from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.forms import in_all_forms
+from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Round, between, look_again
-from crashkit.diagnose.workshop import Workshop
-from crashkit.misfit import Misfit
 
 MOST = 5
 """How many are tried, of which each costs a quick look."""
@@ -16,21 +13,18 @@ HOPEFUL = 4.0
 """Deviance that another beginning may leave, relative to what the first finding leaves."""
 
 
-def begun_otherwise(
-    workshop: Workshop, given: Misfit, base_search: Search, first: Round, least: float, progress: Progress
-) -> tuple[Round, Round] | None:
+def begun_otherwise(inquiry: Inquiry, first: Round, least: float) -> tuple[Round, Round] | None:
     """A first finding that is not the winner of the first round, and the second that it brings; None if no two fit better.
 
     The form that suits one effect alone is not the one that it has beside another, nor need the claim be.
 
     Arguments:
-        base_search: the fit of the model without any.
         least: deviance that the two must stay below.
     """
     best = None
-    progress(f"fitting all forms of {first.rivals[0].proposal.physics}", 0.0)
-    for rival in _others(workshop, base_search, first):
-        second = look_again(workshop, given, rival.search.fitted(), [rival], progress, quick=True)
+    inquiry.progress(f"fitting all forms of {first.rivals[0].proposal.physics}", 0.0)
+    for rival in _others(inquiry, first):
+        second = look_again(inquiry, rival.search.fitted(), [rival], quick=True)
         winner = second.winner
         if winner is not None and not is_unknown(winner) and winner.search.deviance < least:
             rest = [other for other in first.rivals if other.identity != rival.identity]
@@ -38,10 +32,10 @@ def begun_otherwise(
     return best
 
 
-def _others(workshop: Workshop, base_search: Search, first: Round) -> Iterable[Rival]:
+def _others(inquiry: Inquiry, first: Round) -> Iterable[Rival]:
     """The most evident of the winner's other forms and of the other claims."""
     winner, *others = first.rivals
-    fitted = in_all_forms(workshop, base_search, winner, [], winner.search)
+    fitted = in_all_forms(inquiry, winner, [], winner.search)
     ranked = ranked_by_evidence(fitted, winner.search.deviance + winner.drop)
     forms = {rival.proposal.form: rival for rival in reversed(ranked) if rival.proposal.form != winner.proposal.form}
     named = [rival for rival in others if not is_unknown(rival)]

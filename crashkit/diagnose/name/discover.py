@@ -5,68 +5,64 @@ from functools import partial
 
 from attrs import evolve
 
-from crashkit.diagnose.fitting.contest import Progress, propose_all
+from crashkit.diagnose.fitting.contest import propose_all
 from crashkit.diagnose.fitting.evidence import FLOOR, probabilities, ranked_by_evidence
 from crashkit.diagnose.fitting.in_time import in_time
-from crashkit.diagnose.fitting.rebuild import rebuild
 from crashkit.diagnose.fitting.reidentify import reidentify
-from crashkit.diagnose.fitting.search import STEPS, Search, begin
+from crashkit.diagnose.fitting.search import STEPS, begin
 from crashkit.diagnose.locate.aside import CLOCK, Suspect, late_clocks, on_time, suspects, without
 from crashkit.diagnose.locate.consistency import by_run, check_instruments
 from crashkit.diagnose.name.asked_first import asked_first
 from crashkit.diagnose.name.explore import beside_reading, discovered
+from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Round, look_again
 from crashkit.diagnose.name.rounds import Discovery
 from crashkit.diagnose.name.settle import settled
-from crashkit.diagnose.workshop import Workshop
-from crashkit.misfit import Misfit
 from crashkit.model import Model
 from crashkit.protocols import Proposal
 
 
-def discover(workshop: Workshop, given: Misfit, base_search: Search, looks: Sequence[Round], progress: Progress) -> Discovery:
+def discover(inquiry: Inquiry, looks: Sequence[Round]) -> Discovery:
     """All findings that the evidence supports, each in the light of the others.
 
     Arguments:
-        given: the misfit of the model at the values that the user gave.
-        base_search: its best fit.
         looks: whose claims are asked first, if there are any.
     """
-    found = asked_first(workshop, given, base_search, looks, progress)
+    found = asked_first(inquiry, looks)
     if found is not None:
         return found
-    checks = check_instruments(by_run(given))
+    checks = check_instruments(by_run(inquiry.given))
     if late := late_clocks(checks):
-        found = _with_clock(workshop, given, base_search, late, progress)
-    elif set_aside := suspects(given, checks):
-        found = _beside(workshop, given, base_search, set_aside, progress)
-    return found or discovered(workshop, given, base_search, progress)
+        found = _with_clock(inquiry, late)
+    elif set_aside := suspects(inquiry.given, checks):
+        found = _beside(inquiry, set_aside)
+    return found or discovered(inquiry)
 
 
-def _beside(
-    workshop: Workshop, given: Misfit, base_search: Search, set_aside: tuple[Suspect, ...], progress: Progress
-) -> Discovery | None:
+def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | None:
     """What the instruments that agree say of the structure, and then what is wrong with the others; None if that fails."""
+    workshop, given = inquiry.workshop, inquiry.given
     rest = workshop.first_misfit(given.model, without(given.recordings, set_aside)).with_prior(given.prior.std)
     if not rest.groups:
         return None
-    structure = discovered(evolve(workshop, recorded={}), rest, reidentify(workshop, rest), progress)
+    believed = Inquiry(evolve(workshop, recorded={}), rest, reidentify(workshop, rest), inquiry.progress)
+    structure = discovered(believed)
     rounds = list(structure.rounds)
-    search = rebuild(workshop, base_search, [look.rivals[0] for look in rounds], structure.search)
+    search = inquiry.fit_with([look.rivals[0] for look in rounds], structure.search)
     if search is None:
         return None
-    unbent, waiting = given.with_values_of(structure.search.fitted()), set_aside
+    unbent, waiting = evolve(inquiry, given=given.with_values_of(structure.search.fitted())), set_aside
     while waiting:
         found, concerns = [look.rivals[0] for look in rounds], partial(_concern, waiting)
-        look = in_time(None, look_again, workshop, unbent, search.fitted(), found, progress, concerns)
+        look = in_time(None, look_again, unbent, search.fitted(), found, concerns)
         if look is None or (look.winner is None and search.normalised <= FLOOR):
             break
         if look.winner is None:
             return None
         waiting = tuple(one for one in waiting if not one.concerns(look.winner.proposal, look.before.model))
-        rounds.append(in_time(look, settled, workshop, unbent, look, look.winner, found, progress))
+        rounds.append(in_time(look, settled, unbent, look, look.winner, found))
         search = rounds[-1].rivals[0].search
-    return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds))
+    return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(rounds))
 
 
 def _concern(waiting: Sequence[Suspect], proposal: Proposal, model: Model) -> bool:
@@ -74,17 +70,15 @@ def _concern(waiting: Sequence[Suspect], proposal: Proposal, model: Model) -> bo
     return any(suspect.concerns(proposal, model) for suspect in waiting)
 
 
-def _with_clock(
-    workshop: Workshop, given: Misfit, base_search: Search, late: Mapping[str, float], progress: Progress
-) -> Discovery | None:
+def _with_clock(inquiry: Inquiry, late: Mapping[str, float]) -> Discovery | None:
     """A clock that is wrong, and then what all instruments say of the structure once that is right; None if none is."""
-    clock = _clock(workshop, given, base_search, late)
-    return beside_reading(workshop, given, base_search, clock, progress) if clock.winner else None
+    clock = _clock(inquiry, late)
+    return beside_reading(inquiry, clock) if clock.winner else None
 
 
-def _clock(workshop: Workshop, given: Misfit, base_search: Search, late: Mapping[str, float]) -> Round:
+def _clock(inquiry: Inquiry, late: Mapping[str, float]) -> Round:
     """Which of these clocks is wrong: the model is re-identified with the stamps of one or the other put right."""
-    current = base_search.fitted()
+    workshop, given, current = inquiry.workshop, inquiry.given, inquiry.base.fitted()
     claims = [p for p in propose_all(workshop, current) if p.physics == CLOCK and p.location["instrument"] in late]
     fitted = []
     for claim in claims:
@@ -94,6 +88,6 @@ def _clock(workshop: Workshop, given: Misfit, base_search: Search, late: Mapping
         values = {**search.misfit.values(search.point), path: late[instrument]}
         misfit = workshop.misfit(given, claim.model).with_values(values)
         fitted.append((claim, begin(workshop.identifier, misfit).advance(STEPS)))
-    rivals = ranked_by_evidence(fitted, base_search.deviance)
+    rivals = ranked_by_evidence(fitted, inquiry.base.deviance)
     chances, nothing = probabilities(rivals, len(rivals))
     return Round(tuple(rivals), tuple(chances.tolist()), nothing, current)

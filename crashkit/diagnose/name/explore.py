@@ -2,7 +2,6 @@
 
 from attrs import evolve
 
-from crashkit.diagnose.fitting.contest import Progress
 from crashkit.diagnose.fitting.evidence import FLOOR, STRAINED, UNEXPLAINED, explains, is_sound, is_unknown
 from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.rebuild import alone_again
@@ -11,6 +10,7 @@ from crashkit.diagnose.fitting.sharpen import check_pace
 from crashkit.diagnose.locate.courses import courses, outstanding
 from crashkit.diagnose.name.beginnings import begun_otherwise
 from crashkit.diagnose.name.forms import in_best_forms
+from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import FORM_ERRORS, Round, between, is_of_readings, look_again
 from crashkit.diagnose.name.needed import price
 from crashkit.diagnose.name.pairs import both, named_before_unknown
@@ -18,8 +18,6 @@ from crashkit.diagnose.name.rivals import CONCEALED, may_conceal
 from crashkit.diagnose.name.rounds import NEEDED, TIE, Discovery, followed, is_estimated, reconsidered
 from crashkit.diagnose.name.settle import settled
 from crashkit.diagnose.result import UNKNOWN, place_of
-from crashkit.diagnose.workshop import Workshop
-from crashkit.misfit import Misfit
 
 HALF = 0.5
 """Of what the model without it leaves above the noise: a claim that leaves more is not followed before all are asked."""
@@ -31,30 +29,27 @@ FIFTH = 0.2
 leaves less by no more than that is hardly another."""
 
 
-def discovered(workshop: Workshop, given: Misfit, base_search: Search, progress: Progress) -> Discovery:
+def discovered(inquiry: Inquiry) -> Discovery:
     """All findings that the evidence supports, each in the light of the others.
 
     From the re-identified numbers first: where one cause in its best form explains everything from there, or all but what no
     further finding could be told for, or two causes do, no wider search is made.
-
-    Arguments:
-        given: the misfit of the model at the values that the user gave.
-        base_search: its best fit.
     """
-    near = look_again(workshop, given, base_search.fitted(), [], progress, quick=True)
-    if base_search.normalised > CONCEALED:
-        better = alone_again(base_search, [rival.search.fitted() for rival in near.rivals[:LED]])
-        if better.excess < HALF * base_search.excess:
-            return in_time(_won(base_search, near), discovered, workshop, given, better, progress)
+    base = inquiry.base
+    near = look_again(inquiry, base.fitted(), [], quick=True)
+    if base.normalised > CONCEALED:
+        better = alone_again(base, [rival.search.fitted() for rival in near.rivals[:LED]])
+        if better.excess < HALF * base.excess:
+            return in_time(_won(base, near), discovered, evolve(inquiry, base=better))
     if _is_wrong_beside_more(near):
-        return beside_reading(workshop, given, base_search, near, progress)
+        return beside_reading(inquiry, near)
     found = None
-    if may_conceal(base_search.fitted()):
-        near, found = in_time((near, None), _nearby, workshop, given, base_search, near, progress)
-    if found is not None and _suffices(found, base_search):
+    if may_conceal(base.fitted()):
+        near, found = in_time((near, None), _nearby, inquiry, near)
+    if found is not None and _suffices(found, base):
         return found
-    wide = in_time(_won(base_search, near), _widely, workshop, given, base_search, near, found, progress)
-    return _where_it_acts(workshop, given, wide if found is None else _cheaper(found, wide))
+    wide = in_time(_won(base, near), _widely, inquiry, near, found)
+    return _where_it_acts(inquiry, wide if found is None else _cheaper(found, wide))
 
 
 def _is_wrong_beside_more(near: Round) -> bool:
@@ -64,7 +59,7 @@ def _is_wrong_beside_more(near: Round) -> bool:
     return winner is not None and is_of_readings(winner.proposal) and winner.search.normalised > CONCEALED
 
 
-def beside_reading(workshop: Workshop, given: Misfit, base_search: Search, reading: Round, progress: Progress) -> Discovery:
+def beside_reading(inquiry: Inquiry, reading: Round) -> Discovery:
     """An instrument that is wrong, and what all of them say of the structure once it is put right.
 
     Arguments:
@@ -72,23 +67,24 @@ def beside_reading(workshop: Workshop, given: Misfit, base_search: Search, readi
     """
     search = reading.rivals[0].search
     alone = Discovery(search.fitted(), search.fitted(), search)
-    at_pace = evolve(workshop, recorded={})
-    structure = in_time(alone, discovered, at_pace, search.fitted().with_values_of(given), search, progress)
+    given = search.fitted().with_values_of(inquiry.given)
+    put_right = evolve(inquiry, workshop=evolve(inquiry.workshop, recorded={}), given=given, base=search)
+    structure = in_time(alone, discovered, put_right)
     rounds, search = [reading, *structure.rounds], structure.search
-    rounds, search = in_time((rounds, search), in_best_forms, workshop, base_search, rounds, search, progress)
+    rounds, search = in_time((rounds, search), in_best_forms, inquiry, rounds, search)
     if structure.rounds:
-        rounds, search = in_time((rounds, search), reconsidered, workshop, given, base_search, rounds, search, progress)
-    return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds), structure.last)
+        rounds, search = in_time((rounds, search), reconsidered, inquiry, rounds, search)
+    return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(rounds), structure.last)
 
 
-def _suffices(found: Discovery, base_search: Search) -> bool:
+def _suffices(found: Discovery, base: Search) -> bool:
     """Whether one cause explains everything, or leaves less above the noise than a second one would have to explain; or two do
     that, whatever the noise, and nothing convinces beside them."""
     search = found.search
     if len(found.rounds) == 1:
-        is_little = search.normalised < FLOOR and search.excess < FORM_ERRORS[0] * base_search.excess
+        is_little = search.normalised < FLOOR and search.excess < FORM_ERRORS[0] * base.excess
         return explains(search) or (is_little and is_sound(search))
-    is_little = search.normalised < UNEXPLAINED and search.excess < FORM_ERRORS[1] * base_search.excess
+    is_little = search.normalised < UNEXPLAINED and search.excess < FORM_ERRORS[1] * base.excess
     is_all = found.last is not None and len(found.rounds) == 2 and not is_estimated(found.rounds)
     return is_all and is_little and search.misfit.departure(search.point) < STRAINED
 
@@ -102,7 +98,7 @@ def _cheaper(near: Discovery, wide: Discovery) -> Discovery:
     )
 
 
-def _where_it_acts(workshop: Workshop, given: Misfit, found: Discovery) -> Discovery:
+def _where_it_acts(inquiry: Inquiry, found: Discovery) -> Discovery:
     """What was found; where it leaves something, an estimated force at the one place that the equations of motion point to.
 
     A cause that no law tells, as a joint that another one weakens, is imitated best by laws at other places. About instruments
@@ -111,7 +107,7 @@ def _where_it_acts(workshop: Workshop, given: Misfit, found: Discovery) -> Disco
     claims = [look.rivals[0] for look in found.rounds]
     if not claims or found.search.normalised < UNEXPLAINED or any(is_of_readings(claim.proposal) for claim in claims):
         return found
-    pointer = outstanding(courses(workshop, given))
+    pointer = outstanding(courses(inquiry.workshop, inquiry.given))
     place = place_of(pointer.first.proposal.location) if pointer else None
     if place in (None, *(place_of(claim.proposal.location) for claim in claims)):
         return found
@@ -126,35 +122,33 @@ def _where_it_acts(workshop: Workshop, given: Misfit, found: Discovery) -> Disco
     return evolve(found, final=estimate.search.fitted(), search=estimate.search, rounds=(first,), pointer=pointer)
 
 
-def _won(base_search: Search, look: Round) -> Discovery:
+def _won(base: Search, look: Round) -> Discovery:
     """What a single look says."""
     if look.winner is None:
-        return Discovery(base_search.fitted(), base_search.fitted(), base_search, (), look)
-    return Discovery(base_search.fitted(), look.winner.search.fitted(), look.winner.search, (look,))
+        return Discovery(base.fitted(), base.fitted(), base, (), look)
+    return Discovery(base.fitted(), look.winner.search.fitted(), look.winner.search, (look,))
 
 
-def _nearby(
-    workshop: Workshop, given: Misfit, base_search: Search, near: Round, progress: Progress
-) -> tuple[Round, Discovery | None]:
+def _nearby(inquiry: Inquiry, near: Round) -> tuple[Round, Discovery | None]:
     """The look with its best known claim at its best, and what that leads to if it may be all there is."""
     known = [rival for rival in near.rivals if not is_unknown(rival)]
-    if not known or known[0].search.excess > HALF * base_search.excess:
+    if not known or known[0].search.excess > HALF * inquiry.base.excess:
         return near, None
-    first = settled(workshop, given, between(near, known), known[0], [], progress)
+    first = settled(inquiry, between(near, known), known[0], [])
     search = first.rivals[0].search
-    if search.excess < FIFTH * base_search.excess:
-        (first,), search = in_best_forms(workshop, base_search, [first], search, progress)
+    if search.excess < FIFTH * inquiry.base.excess:
+        (first,), search = in_best_forms(inquiry, [first], search)
     near = between(near, sorted([*first.rivals, *filter(is_unknown, near.rivals)], key=lambda rival: -rival.evidence))
     winner = first.winner
     if winner is None:
         return near, None
     if search.normalised < CONCEALED:
-        check_pace(workshop, given, winner)
+        check_pace(inquiry.workshop, inquiry.given, winner)
     first = first if is_unknown(near.rivals[0]) else near
-    look = look_again(workshop, given, search.fitted(), [winner], progress, quick=search.normalised > CONCEALED)
+    look = look_again(inquiry, search.fitted(), [winner], quick=search.normalised > CONCEALED)
     if search.normalised > CONCEALED and not _completes(look):
         return near, None
-    found, _ = followed(workshop, given, base_search, [first], look, progress)
+    found, _ = followed(inquiry, [first], look)
     return near, found
 
 
@@ -163,30 +157,29 @@ def _completes(look: Round) -> bool:
     return look.winner is not None and not is_unknown(look.winner) and look.winner.search.normalised < UNEXPLAINED
 
 
-def _widely(
-    workshop: Workshop, given: Misfit, base_search: Search, near: Round, nearby: Discovery | None, progress: Progress
-) -> Discovery:
+def _widely(inquiry: Inquiry, near: Round, nearby: Discovery | None) -> Discovery:
     """Round after round, with everything in sight; begun otherwise where that leaves something.
 
     Arguments:
         nearby: what was found there. Where the first look with everything in sight only confirms it, no more is asked.
     """
-    base_search, first = _first_look(workshop, given, base_search, near, progress)
+    base, first = _first_look(inquiry, near)
+    inquiry = evolve(inquiry, base=base)
     if nearby is not None and not first.couples and _is_confirmed(nearby, first):
         return nearby
-    couple = both(workshop, base_search, first) if first.couples else None
+    couple = both(inquiry, first) if first.couples else None
     if couple is not None:
         rounds, look = [couple[0]], couple[1]
     else:
-        rounds, look = in_time(([], first), named_before_unknown, workshop, given, base_search, first, progress)
-    found, last = followed(workshop, given, base_search, rounds, look, progress)
+        rounds, look = in_time(([], first), named_before_unknown, inquiry, first)
+    found, last = followed(inquiry, rounds, look)
     if not found.rounds or is_estimated(found.rounds) or found.search.normalised < UNEXPLAINED:
         return found
     least = min([found.search.deviance, *(rival.search.deviance for rival in last.rivals[:1])])
-    beginning = in_time(None, begun_otherwise, workshop, given, base_search, first, least, progress)
+    beginning = in_time(None, begun_otherwise, inquiry, first, least)
     if beginning is None:
         return found
-    other, _ = followed(workshop, given, base_search, [beginning[0]], beginning[1], progress)
+    other, _ = followed(inquiry, [beginning[0]], beginning[1])
     return min(found, other, key=lambda one: one.search.deviance)
 
 
@@ -198,16 +191,15 @@ def _is_confirmed(found: Discovery, look: Round) -> bool:
     return is_same and look.winner.search.excess > (1.0 - FIFTH) * found.search.excess
 
 
-def _first_look(
-    workshop: Workshop, given: Misfit, base_search: Search, near: Round, progress: Progress
-) -> tuple[Search, Round]:
+def _first_look(inquiry: Inquiry, near: Round) -> tuple[Search, Round]:
     """The first round, and the best fit of the model as it is, which the winner may show to have been a local optimum."""
-    look = look_again(workshop, given, base_search.fitted(), [], progress, begun=near)
+    base = inquiry.base
+    look = look_again(inquiry, base.fitted(), [], begun=near)
     if look.winner is None:
-        return base_search, look
-    better = alone_again(base_search, [look.winner.search.fitted()])
-    gained = base_search.deviance - better.deviance
+        return base, look
+    better = alone_again(base, [look.winner.search.fitted()])
+    gained = base.deviance - better.deviance
     if gained < TIE:
-        return base_search, look
+        return base, look
     is_plain = look.winner.drop > gained + NEEDED
-    return better, look if is_plain else look_again(workshop, given, better.fitted(), [], progress)
+    return better, look if is_plain else look_again(inquiry, better.fitted(), [])

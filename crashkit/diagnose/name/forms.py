@@ -7,11 +7,11 @@ import numpy as np
 from attrs import evolve
 
 from crashkit.campaign import spread
-from crashkit.diagnose.fitting.contest import Entrant, Progress, Start, first_of_each, identity, propose_all
+from crashkit.diagnose.fitting.contest import Entrant, Start, first_of_each, identity, propose_all
 from crashkit.diagnose.fitting.evidence import Rival, explains, is_unknown, ranked_by_evidence
-from crashkit.diagnose.fitting.rebuild import rebuild
 from crashkit.diagnose.fitting.search import Search, advance_all, begin, begin_all, weighed
 from crashkit.diagnose.name.alike import most_alike
+from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Round
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
@@ -25,13 +25,10 @@ HEATS = ((4, 8), (2, 40))
 """How many starts of each form go on, and how many steps each gets."""
 
 
-def in_best_forms(
-    workshop: Workshop, base_search: Search, rounds: Sequence[Round], search: Search, progress: Progress
-) -> tuple[list[Round], Search]:
+def in_best_forms(inquiry: Inquiry, rounds: Sequence[Round], search: Search) -> tuple[list[Round], Search]:
     """The findings, each in the form that is most evident beside the others, and the fit with them.
 
     Arguments:
-        base_search: the fit of the model without them.
         search: the fit with them; where it leaves nothing, no form is questioned.
     """
     looks = list(rounds)
@@ -39,31 +36,29 @@ def in_best_forms(
         if explains(search) or is_unknown(look.rivals[0]):
             continue
         others = [other.rivals[0] for other in looks if other is not look]
-        progress(f"fitting all forms of {look.rivals[0].proposal.physics}", index / len(looks))
-        forms = in_all_forms(workshop, base_search, look.rivals[0], others, search)
+        inquiry.progress(f"fitting all forms of {look.rivals[0].proposal.physics}", index / len(looks))
+        forms = in_all_forms(inquiry, look.rivals[0], others, search)
         best = next(iter(ranked_by_evidence(forms, search.deviance + look.rivals[0].drop)), look.rivals[0])
         if best.evidence > look.rivals[0].evidence:
             looks[index], search = evolve(look, rivals=(best, *look.rivals[1:])), best.search
     return looks, search
 
 
-def in_all_forms(
-    workshop: Workshop, base_search: Search, rival: Rival, others: Sequence[Rival], search: Search
-) -> list[Entrant]:
+def in_all_forms(inquiry: Inquiry, rival: Rival, others: Sequence[Rival], search: Search) -> list[Entrant]:
     """Fits of a claim in all its forms, from where its present one, or what stands in for it, has driven all other numbers."""
-    without = rebuild(workshop, base_search, others, search)
+    without = inquiry.fit_with(others, search)
     if without is None:
         return []
     origin, found = without.misfit.with_values_of(search.fitted()), search.misfit.values(search.point)
-    forms = [p for p in propose_all(workshop, origin) if identity(p) == rival.identity]
+    forms = [p for p in propose_all(inquiry.workshop, origin) if identity(p) == rival.identity]
     is_told = rival.proposal.parameters[0] in found
     if is_told and len(forms) < 2:
         return []
-    equipped = workshop.equipped([form.model for form in forms])
+    equipped = inquiry.workshop.equipped([form.model for form in forms])
     starts = [(form, {**form.null, **start}) for form in forms for start in _starts(form, rival.proposal, found)]
     ahead = spread(partial(_alone, equipped, origin, search.fitted()), starts)
     misfits = [with_form(equipped, origin, form, values) for (form, _), values in zip(starts, ahead, strict=True)]
-    searches = begin_all(workshop.identifier, misfits)
+    searches = begin_all(equipped.identifier, misfits)
     return _fitted(list(zip((form for form, _ in starts), searches, strict=True)))
 
 

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from functools import partial
 
 from crashkit.campaign import spread
-from crashkit.diagnose.fitting.contest import Entrant, Progress, first_of_each, heats, identity, propose_all
+from crashkit.diagnose.fitting.contest import Entrant, first_of_each, heats, identity, propose_all
 from crashkit.diagnose.fitting.evidence import Rival
-from crashkit.diagnose.fitting.search import Search, begin_all
+from crashkit.diagnose.fitting.search import begin_all
 from crashkit.diagnose.name.forms import along, with_form
+from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.result import UNKNOWN, place_of
-from crashkit.diagnose.workshop import Workshop
 
 SHARES = (1 / 3, 1.0)
 """Of the time recorded, looked at one after the other while only the numbers at the place move."""
@@ -19,27 +19,24 @@ CLAIMS = (4, 60)
 """The same for the best form of each claim."""
 
 
-def imitating(workshop: Workshop, base_search: Search, table: Rival, progress: Progress) -> list[Entrant]:
+def imitating(inquiry: Inquiry, table: Rival) -> list[Entrant]:
     """Fits of the known causes at the place of an estimated force.
 
     A cause that is not named drives the model's own numbers away, and a search that begins there may never come back. Beside
     the estimate they are about right, so that each cause only has to find its own, and those of its place.
-
-    Arguments:
-        base_search: the fit of the model without the estimate.
     """
-    origin, place = base_search.misfit.with_values_of(table.search.fitted()), place_of(table.proposal.location)
-    known = [p for p in propose_all(workshop, origin) if p.physics != UNKNOWN and place_of(p.location) == place]
-    equipped = workshop.equipped([proposal.model for proposal in known])
+    origin, place = inquiry.base.misfit.with_values_of(table.search.fitted()), place_of(table.proposal.location)
+    known = [p for p in propose_all(inquiry.workshop, origin) if p.physics != UNKNOWN and place_of(p.location) == place]
+    equipped = inquiry.workshop.equipped([proposal.model for proposal in known])
     here = tuple(f"{kind}.{name}." for kind, name in table.proposal.location.items())
     starts = [(proposal, {**proposal.null, **start}) for proposal in known for start in proposal.starts]
-    progress(f"fitting {len(known)} causes to the force estimated at {place}", 0.0)
+    inquiry.progress(f"fitting {len(known)} causes to the force estimated at {place}", 0.0)
     ends = spread(partial(along, equipped, origin, route=SHARES, here=here), starts)
     ranked = sorted(zip((proposal for proposal, _ in starts), ends, strict=True), key=lambda one: one[1][1])
     ahead = first_of_each(ranked, 1)[: FORMS[0]]
     misfits = [with_form(equipped, origin, proposal, values) for proposal, (values, _) in ahead]
-    entrants = list(zip((p for p, _ in ahead), begin_all(workshop.identifier, misfits), strict=True))
-    return heats(_best_of_each_claim(heats(entrants, (FORMS,), progress)), (CLAIMS,), progress)
+    entrants = list(zip((p for p, _ in ahead), begin_all(equipped.identifier, misfits), strict=True))
+    return heats(_best_of_each_claim(heats(entrants, (FORMS,), inquiry.progress)), (CLAIMS,), inquiry.progress)
 
 
 def _best_of_each_claim(fitted: Sequence[Entrant]) -> list[Entrant]:

@@ -6,11 +6,11 @@ from functools import partial
 import numpy as np
 from attrs import evolve, field, frozen
 
-from crashkit.diagnose.fitting.contest import Progress, identity, propose_all
+from crashkit.diagnose.fitting.contest import identity, propose_all
 from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import UNEXPLAINED, Rival, best_forms, explains, probabilities
+from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.rivals import Limit, further_rivals, nearest_rivals, standing
-from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.model import Model
 from crashkit.protocols import Proposal
@@ -63,11 +63,9 @@ class Round:
 
 
 def look_again(
-    workshop: Workshop,
-    given: Misfit,
+    inquiry: Inquiry,
     current: Misfit,
     found: Sequence[Rival],
-    progress: Progress,
     concerns: Callable[[Proposal, Model], bool] | None = None,
     quick: bool = False,
     begun: Round | None = None,
@@ -81,26 +79,28 @@ def look_again(
         quick: whether to stop at what is found from the current numbers.
         begun: the look that did.
     """
-    proposals = [p for p in open_claims(workshop, given, current, found) if concerns is None or concerns(p, current.model)]
-    equipped = workshop.equipped([p.model for p in proposals])
+    proposals = [p for p in open_claims(inquiry, current, found) if concerns is None or concerns(p, current.model)]
+    equipped = inquiry.workshop.equipped([p.model for p in proposals])
     least, couples = least_drop(found), tuple[Couple, ...]()
     if begun is None:
-        ranked, limits = nearest_rivals(equipped, current, proposals, partial(_least_of, least=least), progress)
+        ranked, limits = nearest_rivals(equipped, current, proposals, partial(_least_of, least=least), inquiry.progress)
     else:
         ranked, limits = list(begun.rivals), list(begun.limits)
     if not quick:
         afresh = not found or concerns is not None
-        further = further_rivals(equipped, current, current.with_values_of(given), proposals, ranked, afresh, progress)
+        given = current.with_values_of(inquiry.given)
+        further = further_rivals(equipped, current, given, proposals, ranked, afresh, inquiry.progress)
         ranked, couples = list(further.rivals), tuple(further.couples)
     best = best_forms(ranked)
     chances, nothing = probabilities(best, len({identity(p) for p in proposals}))
     return Round(tuple(best), tuple(chances.tolist()), nothing, current, least, tuple(limits), couples)
 
 
-def open_claims(workshop: Workshop, given: Misfit, current: Misfit, found: Sequence[Rival]) -> list[Proposal]:
+def open_claims(inquiry: Inquiry, current: Misfit, found: Sequence[Rival]) -> list[Proposal]:
     """Every hypothesis at every place of the given model, built on the current one, that has not been found already."""
     known = {rival.identity for rival in found}
-    return [p for p in propose_all(workshop, current) if identity(p) not in known and _is_given(given.model, p.location)]
+    proposals, model = propose_all(inquiry.workshop, current), inquiry.given.model
+    return [p for p in proposals if identity(p) not in known and _is_given(model, p.location)]
 
 
 def least_drop(found: Sequence[Rival]) -> float:

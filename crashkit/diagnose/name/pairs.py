@@ -4,21 +4,17 @@ from collections.abc import Iterator, Sequence
 
 from attrs import evolve
 
-from crashkit.diagnose.fitting.contest import Progress, identity
+from crashkit.diagnose.fitting.contest import identity
 from crashkit.diagnose.fitting.evidence import FLOOR, Rival, best_forms, is_unknown, ranked_by_evidence, rival_of
-from crashkit.diagnose.fitting.rebuild import rebuild
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.imitate import imitating
+from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Round, between, least_drop, look_again
 from crashkit.diagnose.name.settle import settled
-from crashkit.diagnose.workshop import Workshop
-from crashkit.misfit import Misfit
 
 
-def named_before_unknown(
-    workshop: Workshop, given: Misfit, base_search: Search, look: Round, progress: Progress
-) -> tuple[list[Round], Round]:
+def named_before_unknown(inquiry: Inquiry, look: Round) -> tuple[list[Round], Round]:
     """Nothing and the round; or, where an unknown force has won it, what named causes fit better than its table.
 
     One of them may be enough, and only be caught in a poor form or a local optimum. Two are asked for where the table leaves
@@ -27,22 +23,22 @@ def named_before_unknown(
     table = look.winner
     if table is None or not is_unknown(table):
         return [], look
-    named = _named(workshop, given, base_search, look, table, progress)
+    named = _named(inquiry, look, table)
     if _beats(named.winner, table):
         return [], named
     if table.search.normalised < FLOOR:
         return [], look
-    for first, second in _pairs(workshop, given, base_search, named, table, progress):
+    for first, second in _pairs(inquiry, named, table):
         if _beats(second.winner, table):
             return [first], second
     return [], look
 
 
-def both(workshop: Workshop, base_search: Search, look: Round) -> tuple[Round, Round] | None:
+def both(inquiry: Inquiry, look: Round) -> tuple[Round, Round] | None:
     """The leading couple of a look as two findings, each in the light of the other; None where one cannot be placed alone."""
     couple = look.couples[0]
     claims = [Rival(proposal, couple.search, 0.0, 0.0) for proposal in (couple.first, couple.second)]
-    alone = [rebuild(workshop, base_search, [claim], couple.search) for claim in claims]
+    alone = [inquiry.fit_with([claim], couple.search) for claim in claims]
     if alone[0] is None or alone[1] is None:
         return None
     first = _beside(look, alone[1], identity(couple.second), [])
@@ -64,30 +60,28 @@ def _beats(rival: Rival | None, table: Rival) -> bool:
     return rival is not None and not is_unknown(rival) and rival.search.deviance < table.search.deviance
 
 
-def _named(workshop: Workshop, given: Misfit, base_search: Search, look: Round, table: Rival, progress: Progress) -> Round:
+def _named(inquiry: Inquiry, look: Round, table: Rival) -> Round:
     """The round without estimates, with what imitates its table, its winner in the best form."""
-    imitations = imitating(workshop, base_search, table, progress)
+    imitations = imitating(inquiry, table)
     rivals = [*look.rivals, *ranked_by_evidence(imitations, table.drop + table.search.deviance)]
     known = sorted((rival for rival in rivals if not is_unknown(rival)), key=lambda rival: -rival.evidence)
     first = between(look, best_forms(known))
     if first.winner is None:
         return first
-    first = settled(workshop, given, first, first.winner, [], progress)
-    (best,), _ = in_best_forms(workshop, base_search, [first], first.rivals[0].search, progress)
+    first = settled(inquiry, first, first.winner, [])
+    (best,), _ = in_best_forms(inquiry, [first], first.rivals[0].search)
     return best
 
 
-def _pairs(
-    workshop: Workshop, given: Misfit, base_search: Search, named: Round, table: Rival, progress: Progress
-) -> Iterator[tuple[Round, Round]]:
+def _pairs(inquiry: Inquiry, named: Round, table: Rival) -> Iterator[tuple[Round, Round]]:
     """The best named cause, and what is left beside it; then the cause that stands out beside the table, likewise."""
     if named.winner is not None:
-        yield named, look_again(workshop, given, named.winner.search.fitted(), [named.winner], progress)
-    beside = look_again(workshop, given, table.search.fitted(), [table], progress)
+        yield named, look_again(inquiry, named.winner.search.fitted(), [named.winner])
+    beside = look_again(inquiry, table.search.fitted(), [table])
     if beside.winner is None or is_unknown(beside.winner):
         return
-    alone = rebuild(workshop, base_search, [beside.winner], beside.winner.search)
+    alone = inquiry.fit_with([beside.winner], beside.winner.search)
     if alone is not None:
         found = evolve(beside.winner, search=alone)
         first = evolve(beside, rivals=(found, *beside.rivals[1:]))
-        yield first, look_again(workshop, given, alone.fitted(), [found], progress)
+        yield first, look_again(inquiry, alone.fitted(), [found])

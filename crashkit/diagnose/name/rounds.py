@@ -4,19 +4,17 @@ from collections.abc import Sequence
 
 from attrs import field, frozen
 
-from crashkit.diagnose.fitting.contest import Progress
 from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED, Rival, explains, is_unknown, ranked_by_evidence
 from crashkit.diagnose.fitting.in_time import in_time
-from crashkit.diagnose.fitting.rebuild import rebuild
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.fitting.sharpen import check_pace
 from crashkit.diagnose.locate.courses import Pointer
 from crashkit.diagnose.name.exchange import exchanged
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
+from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Round, between, look_again
 from crashkit.diagnose.name.settle import settled
 from crashkit.diagnose.result import place_of
-from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.model import Model
 
@@ -50,44 +48,34 @@ class Discovery:
     pointer: Pointer | None = None
 
 
-def followed(
-    workshop: Workshop, given: Misfit, base_search: Search, begun: Sequence[Round], look: Round, progress: Progress
-) -> tuple[Discovery, Round]:
+def followed(inquiry: Inquiry, begun: Sequence[Round], look: Round) -> tuple[Discovery, Round]:
     """What is found from a beginning on, and the last look."""
-    rounds, search = list(begun), begun[-1].rivals[0].search if begun else base_search
+    rounds, search = list(begun), begun[-1].rivals[0].search if begun else inquiry.base
     while look.winner is not None and not _corrects(look.winner, rounds):
         found = [one.rivals[0] for one in rounds]
-        rounds.append(in_time(look, settled, workshop, given, look, look.winner, found, progress))
+        rounds.append(in_time(look, settled, inquiry, look, look.winner, found))
         search = rounds[-1].rivals[0].search
-        rounds, search = in_time((rounds, search), in_best_forms, workshop, base_search, rounds, search, progress)
+        rounds, search = in_time((rounds, search), in_best_forms, inquiry, rounds, search)
         if len(rounds) == 1:
-            check_pace(workshop, given, rounds[0].rivals[0])
+            check_pace(inquiry.workshop, inquiry.given, rounds[0].rivals[0])
         if len(rounds) == MOST_FINDINGS or is_estimated(rounds):
             break
         found = [one.rivals[0] for one in rounds]
-        further = in_time(None, look_again, workshop, given, search.fitted(), found, progress)
+        further = in_time(None, look_again, inquiry, search.fitted(), found)
         if further is None:
             break
         look = further
-        completed = in_time(None, _completed, workshop, given, base_search, rounds, search, look, progress)
+        completed = in_time(None, _completed, inquiry, rounds, search, look)
         if completed is not None:
             rounds, search = completed
             break
     if len(rounds) > 1:
-        rounds, search = in_time((rounds, search), _questioned, workshop, given, base_search, rounds, search, look, progress)
+        rounds, search = in_time((rounds, search), _questioned, inquiry, rounds, search, look)
     last = look if look.winner is None else None
-    return Discovery(base_search.fitted(), search.fitted(), search, tuple(rounds), last), look
+    return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(rounds), last), look
 
 
-def _completed(
-    workshop: Workshop,
-    given: Misfit,
-    base_search: Search,
-    rounds: Sequence[Round],
-    search: Search,
-    look: Round,
-    progress: Progress,
-) -> tuple[list[Round], Search] | None:
+def _completed(inquiry: Inquiry, rounds: Sequence[Round], search: Search, look: Round) -> tuple[list[Round], Search] | None:
     """The findings and the best known claim of a look that convinced of none, if together, each in its best form, they leave
     nothing; None if not.
 
@@ -100,35 +88,25 @@ def _completed(
         return None
     if place_of(claim.proposal.location) in known or claim.search.excess > HALF * search.excess:
         return None
-    forms = ranked_by_evidence(in_all_forms(workshop, base_search, claim, found, claim.search), search.deviance)
+    forms = ranked_by_evidence(in_all_forms(inquiry, claim, found, claim.search), search.deviance)
     best = max([claim, *forms], key=lambda rival: rival.evidence)
     others = [rival for rival in look.rivals if rival.identity != best.identity]
-    tried = settled(workshop, given, between(look, [best, *others]), best, found, progress)
-    more, end = in_best_forms(workshop, base_search, [*rounds, tried], tried.rivals[0].search, progress)
+    tried = settled(inquiry, between(look, [best, *others]), best, found)
+    more, end = in_best_forms(inquiry, [*rounds, tried], tried.rivals[0].search)
     return (more, end) if explains(end) else None
 
 
-def _questioned(
-    workshop: Workshop,
-    given: Misfit,
-    base_search: Search,
-    rounds: list[Round],
-    search: Search,
-    last: Round,
-    progress: Progress,
-) -> tuple[list[Round], Search]:
+def _questioned(inquiry: Inquiry, rounds: list[Round], search: Search, last: Round) -> tuple[list[Round], Search]:
     """Several findings, each in the light of the others."""
     begun = rounds
-    rounds, search = exchanged(workshop, base_search, rounds, search, last) or (rounds, search)
-    rounds, search = reconsidered(workshop, given, base_search, rounds, search, progress)
+    rounds, search = exchanged(inquiry, rounds, search, last) or (rounds, search)
+    rounds, search = reconsidered(inquiry, rounds, search)
     if [id(look) for look in rounds] == [id(look) for look in begun]:
         return rounds, search
-    return in_best_forms(workshop, base_search, rounds, search, progress)
+    return in_best_forms(inquiry, rounds, search)
 
 
-def reconsidered(
-    workshop: Workshop, given: Misfit, base_search: Search, rounds: list[Round], search: Search, progress: Progress
-) -> tuple[list[Round], Search]:
+def reconsidered(inquiry: Inquiry, rounds: list[Round], search: Search) -> tuple[list[Round], Search]:
     """Takes each finding away in turn, and lets all hypotheses compete again for its place beside the others.
 
     The first that was found had to make do for all of them, and is often only the best stand-in. Where everything is explained
@@ -138,14 +116,14 @@ def reconsidered(
     for claim in [look.rivals[0].identity for look in rounds]:
         place = [look.rivals[0].identity for look in looks].index(claim)
         rest = [*looks[:place], *looks[place + 1 :]]
-        without = rebuild(workshop, base_search, [look.rivals[0] for look in rest], search)
+        without = inquiry.fit_with([look.rivals[0] for look in rest], search)
         if without is None:
             continue
-        rest, without = in_best_forms(workshop, base_search, rest, without, progress)
+        rest, without = in_best_forms(inquiry, rest, without)
         is_needed = search.normalised < FLOOR and without.deviance > search.deviance + NEEDED
         if is_needed or _was_asked(looks[place], without):
             continue
-        look = look_again(workshop, given, without.fitted(), [one.rivals[0] for one in rest], progress)
+        look = look_again(inquiry, without.fitted(), [one.rivals[0] for one in rest])
         if look.winner is None or _corrects(look.winner, rest):
             if without.deviance < search.deviance + look.least:
                 looks, search = rest, without

@@ -4,36 +4,33 @@ from collections.abc import Sequence
 
 from attrs import evolve
 
-from crashkit.diagnose.fitting.contest import Progress, heats, is_same
+from crashkit.diagnose.fitting.contest import heats, is_same
 from crashkit.diagnose.fitting.evidence import Rival, best_forms, explains, is_unknown, ranked_by_evidence
 from crashkit.diagnose.fitting.search import begin_all
+from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Round, between, is_of_readings, open_claims
 from crashkit.diagnose.name.rivals import HEATS, again
-from crashkit.diagnose.workshop import Workshop
-from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
 
 CHALLENGERS = 2
 """How many of its rivals with fewer numbers challenge a winner."""
 
 
-def settled(
-    workshop: Workshop, given: Misfit, look: Round, winner: Rival, found: Sequence[Rival], progress: Progress
-) -> Round:
+def settled(inquiry: Inquiry, look: Round, winner: Rival, found: Sequence[Rival]) -> Round:
     """The round with its winner re-identified, where something is left, or numbers are strained; then challenged.
 
     Arguments:
         found: what was found before.
     """
-    look = _reidentified(workshop, given, look, winner, progress)
-    claims = [] if is_unknown(look.rivals[0]) else _simpler(workshop, given, look, found)
-    return _challenged(workshop, look, claims, progress) if claims else look
+    look = _reidentified(inquiry, look, winner)
+    claims = [] if is_unknown(look.rivals[0]) else _simpler(inquiry, look, found)
+    return _challenged(inquiry, look, claims) if claims else look
 
 
-def _reidentified(workshop: Workshop, given: Misfit, look: Round, winner: Rival, progress: Progress) -> Round:
+def _reidentified(inquiry: Inquiry, look: Round, winner: Rival) -> Round:
     if explains(winner.search) or is_unknown(winner):
         return look
-    found = again(workshop, given, winner, progress)
+    found = again(inquiry.workshop, inquiry.given, winner, inquiry.progress)
     gained = winner.search.deviance - found.deviance
     if not gained > 0.0:
         return look
@@ -41,27 +38,27 @@ def _reidentified(workshop: Workshop, given: Misfit, look: Round, winner: Rival,
     return evolve(look, rivals=(better, *look.rivals[1:]))
 
 
-def _simpler(workshop: Workshop, given: Misfit, look: Round, found: Sequence[Rival]) -> list[Proposal]:
+def _simpler(inquiry: Inquiry, look: Round, found: Sequence[Rival]) -> list[Proposal]:
     """The best rivals that have fewer numbers than the winner, and all that the structure may have wrong in one."""
     winner, *others = look.rivals
     size = len(winner.proposal.parameters)
     if size == 1:
         return []
     rivals = [r.proposal for r in others if not is_unknown(r) and len(r.proposal.parameters) < size][:CHALLENGERS]
-    claims = open_claims(workshop, given, look.before, [winner, *found])
+    claims = open_claims(inquiry, look.before, [winner, *found])
     plain = [p for p in claims if len(p.parameters) == 1 and not is_of_readings(p)]
     return [*rivals, *(p for p in plain if not any(is_same(p, rival) for rival in rivals))]
 
 
-def _challenged(workshop: Workshop, look: Round, claims: Sequence[Proposal], progress: Progress) -> Round:
+def _challenged(inquiry: Inquiry, look: Round, claims: Sequence[Proposal]) -> Round:
     """The round with simpler claims fitted from where its winner has driven the model's own numbers.
 
     A load on a stiff tie is a mass that is wrong, and says so in more numbers; the mass may only have stayed in a valley.
     """
     winner = look.rivals[0]
-    workshop = workshop.equipped([claim.model for claim in claims])
+    workshop = inquiry.workshop.equipped([claim.model for claim in claims])
     misfits = [workshop.misfit(look.before, claim.model).with_values_of(winner.search.fitted()) for claim in claims]
     begun = list(zip(claims, begin_all(workshop.identifier, misfits), strict=True))
-    fitted = ranked_by_evidence(heats(begun, HEATS, progress), winner.search.deviance + winner.drop)
+    fitted = ranked_by_evidence(heats(begun, HEATS, inquiry.progress), winner.search.deviance + winner.drop)
     ranked = best_forms(sorted([*look.rivals, *fitted], key=lambda rival: -rival.evidence))
     return between(look, ranked) if ranked[0].identity != winner.identity and not is_unknown(ranked[0]) else look

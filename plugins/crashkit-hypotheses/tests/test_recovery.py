@@ -8,6 +8,7 @@ from attrs import evolve
 from crashkit.api import workshop as installed
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name.forms import in_best_forms
+from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import LEAST_DROP, Round
 from crashkit.diagnose.name.rivals import further_rivals, nearest_rivals
 from crashkit.mechanics import Simulator
@@ -90,7 +91,8 @@ def found(model, workshop, recorded):
         nearest, _ = nearest_rivals(equipped, base, proposals, lambda _: LEAST_DROP, silent)
         ranked = further_rivals(equipped, base, given, proposals, nearest, True, silent).rivals
         look = Round(tuple(ranked), (1.0,), 0.0, base)
-        (look,), search = in_best_forms(equipped, begin(workshop.identifier, base), [look], ranked[0].search, silent)
+        inquiry = Inquiry(equipped, given, begin(workshop.identifier, base), silent)
+        (look,), search = in_best_forms(inquiry, [look], ranked[0].search)
         proposal, search = look.rivals[0].proposal, search.advance(40)
         table = search.result().parameters.sel(parameter=list(proposal.parameters))
         values = {path.rsplit(".", 1)[-1]: float(v) for path, v in zip(proposal.parameters, table["value"], strict=True)}

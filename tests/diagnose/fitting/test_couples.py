@@ -60,10 +60,10 @@ def test_no_couple_holds_one_claim_twice_and_none_comes_twice(couples):
     assert len(set(claims)) == len(claims) > 1
 
 
-def test_each_of_two_findings_is_weighed_beside_the_other(workshop, given, couples):
+def test_each_of_two_findings_is_weighed_beside_the_other(workshop, inquiry, given, couples):
     base = begin(workshop.identifier, given).advance(40)
     look = Round((), (), 1.0, base.fitted(), couples=tuple(couples))
-    rounds = both(workshop, base, look)
+    rounds = both(inquiry(base), look)
     assert rounds is not None
     assert {one.winner.identity for one in rounds} == SECRETS
     for one in rounds:
@@ -97,8 +97,8 @@ def test_numbers_that_change_nothing_take_nothing_up():
     assert _left_beside(left, basis, np.zeros((6, 2))) == pytest.approx(0.5 * left @ left)
 
 
-def test_a_claim_that_cannot_be_placed_alone_makes_no_two_findings(workshop, given, couples):
+def test_a_claim_that_cannot_be_placed_alone_makes_no_two_findings(workshop, inquiry, given, couples):
     base = begin(workshop.identifier, given)
     nowhere = evolve(couples[0].second, form="of another world")
     look = Round((), (), 1.0, given, couples=(Couple(couples[0].first, nowhere, couples[0].search),))
-    assert both(workshop, base, look) is None
+    assert both(inquiry(base), look) is None

@@ -71,8 +71,8 @@ def test_all_is_asked_again_of_finer_recordings_and_the_claim_stands_where_time_
     found = Rival(Proposal("joint_friction", "", {"joint": "first"}, model, (), {}), base, 1000.0, 500.0)
     asked = []
 
-    def discover(workshop, given, base_search, looks, progress):
-        asked.append((workshop.recorded, [rival for look in looks for rival in look.rivals]))
+    def discover(inquiry, looks):
+        asked.append((inquiry.workshop.recorded, [rival for look in looks for rival in look.rivals]))
         if len(asked) == 1:
             raise OutrunError(found)
         if not is_answered:

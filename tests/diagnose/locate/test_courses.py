@@ -99,7 +99,7 @@ def test_a_place_is_told_with_the_next_best():
         ("bias", {"sensor": "front_sensor"}, ("bias", "sensor front_sensor")),
     ],
 )
-def test_what_leaves_something_elsewhere_gives_way_to_an_estimate_there(workshop, given, named, place, first):
+def test_what_leaves_something_elsewhere_gives_way_to_an_estimate_there(workshop, inquiry, given, named, place, first):
     """But not what is named at that place, nor what is said of an instrument."""
     one = given("second")
     search = begin(workshop.identifier, one)
@@ -108,7 +108,7 @@ def test_what_leaves_something_elsewhere_gives_way_to_an_estimate_there(workshop
     estimate = begin(workshop.identifier, workshop.misfit(one, table.model))
     rivals = (Rival(claim, search, 100.0, 50.0), Rival(table, estimate, 90.0, 40.0))
     look = Round(rivals, (0.9, 0.1), 0.0, one)
-    found = _where_it_acts(workshop, one, Discovery(one, one, search, (look,)))
+    found = _where_it_acts(inquiry(search), Discovery(one, one, search, (look,)))
     assert found.rounds[0].rivals[0].identity == first
     assert found.rounds[0].probabilities[0] == max(found.rounds[0].probabilities) > 0.5
     assert (found.pointer is not None) is (first[0] == "unknown")

@@ -13,7 +13,7 @@ from crashkit.model.edit import with_joint
 
 
 @pytest.fixture
-def contradicted(workshop, model, misfit, recorded):
+def contradicted(workshop, inquiry, model, misfit, recorded):
     """A model without its dashpot, fitted to two runs, and what chosen claims made of the slow one alone."""
     numbers = {"damping": 800.0, "clearance": 0.0, "engagement": 1e-3}
     true = with_joint(model, Joint("dashpot", ("wall", "front"), "viscous", {n: Parameter(v) for n, v in numbers.items()}))
@@ -29,7 +29,7 @@ def contradicted(workshop, model, misfit, recorded):
         rivals = [rival_of(first[name], fit, base.deviance) for name, fit in zip(claims, fits, strict=True)]
         best = begin(workshop.identifier, both).advance(40)
         looks = (Round(tuple(rivals), (1.0,) * len(rivals), 0.0, base.fitted()),) if rivals else ()
-        return asked_first(workshop, both, best, looks, lambda doing, share: None)
+        return asked_first(inquiry(best), looks)
 
     return ask
 
@@ -50,7 +50,7 @@ def test_without_rivals_too(contradicted):
 
 
 @pytest.fixture
-def refound(workshop, model, misfit, recorded):
+def refound(workshop, inquiry, model, misfit, recorded):
     """Two findings of a slow run, one in a form that is off, and what is said of them beside a faster run."""
     power = {"damping": 800.0, "exponent": 1.6, "tension": 0.0, "clearance": 0.0, "engagement": 1e-3}
     dashpot = Joint("dashpot", ("wall", "front"), "viscous_power", {n: Parameter(v, fixed=True) for n, v in power.items()})
@@ -72,7 +72,7 @@ def refound(workshop, model, misfit, recorded):
             looks.append(Round((rival_of(claim, search, current.deviance),), (1.0,), 0.0, current.fitted()))
             current = search
         best = begin(workshop.identifier, both).advance(40)
-        return asked_first(workshop, both, best, looks, lambda doing, share: None)
+        return asked_first(inquiry(best), looks)
 
     return ask
 

@@ -29,17 +29,17 @@ FORMS = [rival("plastic_unloading", form, deviance) for form, deviance in (("fad
 
 
 @pytest.fixture
-def begun(monkeypatch):
+def begun(monkeypatch, inquiry):
     """The first finding and the second of another beginning, where these are the looks beside each."""
 
     def ask(beside, least=2000.0):
-        def look(workshop, given, current, found, progress, quick):
+        def look(inquiry, current, found, quick):
             assert quick
             return beside[(found[0].proposal.physics, found[0].proposal.form)]
 
         monkeypatch.setattr(beginnings, "look_again", look)
         monkeypatch.setattr(beginnings, "in_all_forms", lambda *_: [(one.proposal, one.search) for one in FORMS])
-        found = beginnings.begun_otherwise(None, None, None, FIRST, least, lambda doing, share: None)
+        found = beginnings.begun_otherwise(inquiry(None), FIRST, least)
         return found and [(one.rivals[0].proposal.physics, one.rivals[0].proposal.form) for one in found]
 
     return ask

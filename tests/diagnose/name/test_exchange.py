@@ -36,18 +36,18 @@ def look(workshop, base):
     return at
 
 
-def test_a_dashpot_takes_the_place_of_the_friction_that_imitated_it(workshop, base, look):
+def test_a_dashpot_takes_the_place_of_the_friction_that_imitated_it(inquiry, base, look):
     friction = look(base, "joint_friction", "sharp")
     imitation = friction.rivals[0].search
     last = look(imitation, "viscous_damping", "linear")
-    (kept,), search = exchanged(workshop, base, [friction], imitation, last)
+    (kept,), search = exchanged(inquiry(base), [friction], imitation, last)
     assert [rival.proposal.physics for rival in kept.rivals] == ["viscous_damping", "joint_friction"]
     assert kept.probabilities[0] > 0.99
     assert search.deviance < imitation.deviance - 20.0
     assert search.misfit.values(search.point)["joint.first_viscous_damping.damping"] == pytest.approx(300.0, rel=0.1)
 
 
-def test_what_explains_no_more_takes_no_place(workshop, base, look):
+def test_what_explains_no_more_takes_no_place(inquiry, base, look):
     dashpot = look(base, "viscous_damping", "linear")
     search = dashpot.rivals[0].search
-    assert exchanged(workshop, base, [dashpot], search, look(search, "joint_friction", "sharp")) is None
+    assert exchanged(inquiry(base), [dashpot], search, look(search, "joint_friction", "sharp")) is None

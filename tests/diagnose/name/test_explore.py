@@ -3,7 +3,6 @@
 from types import SimpleNamespace
 
 import pytest
-from attrs import evolve
 
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
@@ -17,10 +16,6 @@ from crashkit.model.edit import with_joint
 from crashkit.protocols import Proposal
 
 SENSOR = {"sensor": "front_sensor", "instrument": "accelerometer"}
-
-
-def silent(doing, share):
-    """Nobody watches."""
 
 
 def leaving(normalised, physics="fracture", location=None):
@@ -70,12 +65,12 @@ def test_what_everything_in_sight_only_confirms_is_told():
 
 
 @pytest.mark.parametrize(("leaves", "asked"), [([5.0, 2.0, 1.1, 0.9], 3), ([5.0, 4.9, 1.0], 1), ([0.98, 0.5, 0.4], 1)])
-def test_everything_is_asked_again_from_where_the_model_alone_leaves_half_as_much(monkeypatch, leaves, asked):
+def test_everything_is_asked_again_from_where_the_model_alone_leaves_half_as_much(monkeypatch, inquiry, leaves, asked):
     """But not of a model at the noise, whatever is left of that."""
     alone = [SimpleNamespace(normalised=one, excess=one**2 - 1.0, fitted=lambda one=one: one) for one in leaves]
     looked = []
 
-    def look_again(workshop, given, current, *others, **named):
+    def look_again(inquiry, current, *others, **named):
         looked.append(current)
         return Round((), (), 1.0, None)
 
@@ -83,9 +78,9 @@ def test_everything_is_asked_again_from_where_the_model_alone_leaves_half_as_muc
     monkeypatch.setattr(explore, "alone_again", lambda search, misfits: alone[alone.index(search) + 1])
     monkeypatch.setattr(explore, "may_conceal", lambda misfit: False)
     monkeypatch.setattr(explore, "_won", lambda search, look: None)
-    monkeypatch.setattr(explore, "_widely", lambda workshop, given, search, *others: search)
-    monkeypatch.setattr(explore, "_where_it_acts", lambda workshop, given, found: found)
-    found = explore.discovered(None, None, alone[0], silent)
+    monkeypatch.setattr(explore, "_widely", lambda inquiry, *others: inquiry.base)
+    monkeypatch.setattr(explore, "_where_it_acts", lambda inquiry, found: found)
+    found = explore.discovered(inquiry(alone[0], given=alone[0]))
     assert looked == leaves[:asked]
     assert found is alone[asked - 1]
 
@@ -99,7 +94,7 @@ def test_an_instrument_is_put_right_first_where_much_more_is_left():
 
 
 @pytest.fixture
-def asked(workshop, model, misfit, recorded):
+def asked(workshop, inquiry, model, misfit, recorded):
     """What is found of a damped model without its dashpot whose accelerometer reads too little, of two claims."""
     dashpot = {name: Parameter(value, fixed=True) for name, value in {"damping": 800.0, "clearance": 0.0}.items()}
     true = with_joint(model, Joint("dashpot", ("wall", "front"), "viscous", dashpot))
@@ -112,19 +107,15 @@ def asked(workshop, model, misfit, recorded):
             "slow": recorded(true, 0.9, 1, accelerometer=too_little),
             "fast": recorded(true, 1.2, 2, accelerometer=too_little),
         }
-        few = evolve(workshop, hypotheses={name: workshop.hypotheses[name] for name in ("viscous_damping", "gain_error")})
-        given = misfit(model, **both)
-        return how(few, given, begin(workshop.identifier, given).advance(40))
+        few = {name: workshop.hypotheses[name] for name in ("viscous_damping", "gain_error")}
+        return how(inquiry(begin(workshop.identifier, misfit(model, **both)).advance(40), hypotheses=few))
 
     return ask
 
 
 @pytest.mark.parametrize(
     "how",
-    [
-        lambda workshop, given, base: discovered(workshop, given, base, silent),
-        lambda workshop, given, base: discover(workshop, given, base, (), silent),
-    ],
+    [discovered, lambda inquiry: discover(inquiry, ())],
     ids=["the structure is asked first", "kinematics is asked first"],
 )
 def test_an_instrument_that_is_wrong_and_what_the_structure_lacks_are_both_found(asked, how):

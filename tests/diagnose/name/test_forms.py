@@ -1,6 +1,7 @@
 """A finding in a poor form is told in a better one, which leaves no room for what made up for it."""
 
 import pytest
+from attrs import evolve
 
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
@@ -57,11 +58,11 @@ def finding(workshop, proposed):
     return find
 
 
-def test_a_better_form_takes_the_place_of_a_poor_one(workshop, base, finding):
+def test_a_better_form_takes_the_place_of_a_poor_one(inquiry, base, finding):
     without = base("rate_power", POWER)
     look = finding(without, "rate_dependence", "linear")
     poor = look.rivals[0].search
-    (better,), search = in_best_forms(workshop, without, [look], poor, silent)
+    (better,), search = in_best_forms(inquiry(without), [look], poor)
     assert poor.normalised > 1.05
     assert better.rivals[0].proposal.form == "power"
     assert better.rivals[0].search is search
@@ -71,10 +72,11 @@ def test_a_better_form_takes_the_place_of_a_poor_one(workshop, base, finding):
     assert values["joint.first.rate_exponent"] == pytest.approx(POWER["rate_exponent"], abs=0.1)
 
 
-def test_a_form_that_leaves_nothing_is_not_questioned(workshop, base, finding):
+def test_a_form_that_leaves_nothing_is_not_questioned(inquiry, base, finding):
     without = base("rate_power", POWER)
     look = finding(without, "rate_dependence", "power")
-    assert in_best_forms(workshop, without, [look], look.rivals[0].search, pytest.fail) == ([look], look.rivals[0].search)
+    unwatched = evolve(inquiry(without), progress=pytest.fail)
+    assert in_best_forms(unwatched, [look], look.rivals[0].search) == ([look], look.rivals[0].search)
 
 
 def test_a_fine_form_waits_until_a_plain_one_leaves_something(workshop, base, proposed):
@@ -89,12 +91,12 @@ def test_a_fine_form_waits_until_a_plain_one_leaves_something(workshop, base, pr
         assert any(rival.proposal.form == "both ways" for rival in ranked) is is_tried
 
 
-def test_what_made_up_for_a_poor_form_is_dropped(workshop, base, finding):
+def test_what_made_up_for_a_poor_form_is_dropped(inquiry, base, finding):
     without = base("rate_eyring", BOTH_WAYS)
     first = finding(without, "rate_dependence", "logarithm")
     second = finding(first.rivals[0].search, "fracture", "compression")
-    given, both = without.misfit, second.rivals[0].search
+    both = second.rivals[0].search
     assert both.deviance < first.rivals[0].search.deviance - 20.0
-    (kept,), search = reconsidered(workshop, given, without, [first, second], both, silent)
+    (kept,), search = reconsidered(inquiry(without), [first, second], both)
     assert kept.rivals[0].proposal.form == "both ways"
     assert search.normalised == pytest.approx(1.0, abs=0.03)

@@ -12,10 +12,6 @@ from crashkit.model.edit import with_factor
 TORN = {"softening_deformation": 0.3, "softening_length": 0.2, "loss": 0.4}
 
 
-def silent(doing, share):
-    """Nobody listens."""
-
-
 @pytest.fixture(scope="module")
 def base(workshop, model, recorded, misfit):
     """The fit of a model without its fracture, at two speeds."""
@@ -32,9 +28,9 @@ def table(workshop, base):
     return rival_of(proposal, search, base.deviance)
 
 
-def test_the_cause_is_found_with_its_numbers(workshop, base, table):
+def test_the_cause_is_found_with_its_numbers(inquiry, base, table):
     assert is_unknown(table) and table.search.normalised < 0.5 * base.normalised
-    proposal, search = min(imitating(workshop, base, table, silent), key=lambda entrant: entrant[1].deviance)
+    proposal, search = min(imitating(inquiry(base), table), key=lambda entrant: entrant[1].deviance)
     assert identity(proposal) == ("fracture", "joint first")
     assert search.normalised == pytest.approx(1.0, abs=0.03)
     values = search.misfit.values(search.point)
@@ -42,8 +38,8 @@ def test_the_cause_is_found_with_its_numbers(workshop, base, table):
         assert values[f"joint.first.{name}"] == pytest.approx(value, rel=0.05)
 
 
-def test_each_claim_comes_once_and_is_about_the_same_place(workshop, base, table):
-    claims = [identity(proposal) for proposal, _ in imitating(workshop, base, table, silent)]
+def test_each_claim_comes_once_and_is_about_the_same_place(inquiry, base, table):
+    claims = [identity(proposal) for proposal, _ in imitating(inquiry(base), table)]
     assert len(set(claims)) == len(claims) > 1
     assert {place for _, place in claims} == {"joint first"}
     assert not {physics for physics, _ in claims} & {"unknown"}

@@ -7,6 +7,7 @@ from attrs import evolve
 
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.name import pairs
+from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Round
 from crashkit.diagnose.result import UNKNOWN
 from crashkit.protocols import Proposal
@@ -23,7 +24,7 @@ def won_by(*rivals):
 
 
 @pytest.fixture
-def named(monkeypatch):
+def named(monkeypatch, inquiry):
     """What stands in the place of a round that a table won, where later looks are these, a claim alone fits so well, and the
     best named cause in its best form so well."""
 
@@ -37,10 +38,10 @@ def named(monkeypatch):
         monkeypatch.setattr(pairs, "imitating", lambda *_: imitations)
         monkeypatch.setattr(pairs, "ranked_by_evidence", lambda found, reference: [rival(*one) for one in found])
         monkeypatch.setattr(pairs, "look_again", lambda *_: next(looks))
-        monkeypatch.setattr(pairs, "settled", lambda workshop, given, look, winner, found, progress: look)
-        monkeypatch.setattr(pairs, "in_best_forms", lambda workshop, base, rounds, search, progress: (better(rounds), search))
-        monkeypatch.setattr(pairs, "rebuild", lambda workshop, base, rivals, last: rival("alone", alone).search)
-        first, then = pairs.named_before_unknown(None, None, None, look, None)
+        monkeypatch.setattr(pairs, "settled", lambda inquiry, look, winner, found: look)
+        monkeypatch.setattr(pairs, "in_best_forms", lambda inquiry, rounds, search: (better(rounds), search))
+        monkeypatch.setattr(Inquiry, "fit_with", lambda inquiry, rivals, last: rival("alone", alone).search)
+        first, then = pairs.named_before_unknown(inquiry(None), look)
         return [one.rivals[0].proposal.physics for one in first], then.rivals[0].proposal.physics
 
     return ask

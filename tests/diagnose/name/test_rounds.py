@@ -10,6 +10,7 @@ from crashkit.diagnose.diagnosis import _is_worthless, _leading
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name import rounds as questioned
+from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import LEAST_DROP, Round, _is_given, least_drop
 from crashkit.diagnose.name.needed import _asked, needed, price
 from crashkit.diagnose.name.rounds import Discovery, _corrects, _was_asked, reconsidered
@@ -17,10 +18,6 @@ from crashkit.diagnose.show.left_out import left_out_drop
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_body, with_joint
 from crashkit.protocols import Proposal
-
-
-def silent(doing, share):
-    """Nobody watches."""
 
 
 def test_a_finding_that_the_fit_can_spare_is_dropped(workshop, offered):
@@ -98,24 +95,24 @@ def test_a_table_corrects_a_law_that_was_named_at_its_place():
 
 
 @pytest.mark.parametrize(("alone", "left"), [(7000.0, ["fracture", "bias"]), (1150.0, ["bias"])])
-def test_a_finding_that_is_questioned_stays_unless_it_explains_too_little(monkeypatch, alone, left):
+def test_a_finding_that_is_questioned_stays_unless_it_explains_too_little(monkeypatch, inquiry, alone, left):
     """Nothing convinces in its place; without it the model leaves so much."""
 
     def one(physics):
         proposal = Proposal(physics, "", {"joint": physics}, None, (), {})
         return Round((Rival(proposal, None, 9000.0, 4500.0),), (1.0,), 0.0, None)
 
-    def without(workshop, base_search, rivals, last):
+    def without(inquiry, rivals, last):
         deviance = alone if [rival.proposal.physics for rival in rivals] == ["bias"] else 9000.0
         return SimpleNamespace(deviance=deviance, normalised=1.5, fitted=lambda: None)
 
     nothing = Round((), (), 1.0, None, least=180.0)
     monkeypatch.setattr(questioned, "_was_asked", lambda look, without: False)
-    monkeypatch.setattr(questioned, "rebuild", without)
-    monkeypatch.setattr(questioned, "in_best_forms", lambda workshop, base, looks, search, progress: (looks, search))
+    monkeypatch.setattr(Inquiry, "fit_with", without)
+    monkeypatch.setattr(questioned, "in_best_forms", lambda inquiry, looks, search: (looks, search))
     monkeypatch.setattr(questioned, "look_again", lambda *_: nothing)
     together = SimpleNamespace(deviance=1000.0, normalised=1.4)
-    kept, _ = reconsidered(None, None, None, [one("fracture"), one("bias")], together, None)
+    kept, _ = reconsidered(inquiry(None), [one("fracture"), one("bias")], together)
     assert [look.rivals[0].proposal.physics for look in kept] == left
 
 
@@ -185,19 +182,19 @@ def claimed(physics, joint, normalised, form=""):
 
 
 @pytest.fixture
-def completed(monkeypatch):
+def completed(monkeypatch, inquiry):
     """Whether a claim of a look is told beside tension in the first joint, if the form that suits it leaves `then`."""
 
     def ask(claim, then, nothing=1.0):
         formed = claimed(claim.proposal.physics, claim.proposal.location["joint"], then, "formed")
         monkeypatch.setattr(questioned, "in_all_forms", lambda *_: [(formed.proposal, formed.search)])
-        monkeypatch.setattr(questioned, "settled", lambda workshop, given, look, *_: look)
-        monkeypatch.setattr(questioned, "in_best_forms", lambda workshop, base, rounds, search, progress: (rounds, search))
+        monkeypatch.setattr(questioned, "settled", lambda inquiry, look, *_: look)
+        monkeypatch.setattr(questioned, "in_best_forms", lambda inquiry, rounds, search: (rounds, search))
         monkeypatch.setattr(questioned, "explains", lambda search: search.normalised < 1.02)
         found = Round((claimed("tension", "first", 3.0),), (1.0,), 0.0, None)
         table = claimed("unknown", "second", 1.5)
         look = Round((table, claim), (0.5, 0.5), nothing, None, least=1e6)
-        return questioned._completed(None, None, None, [found], found.rivals[0].search, look, silent)
+        return questioned._completed(inquiry(None), [found], found.rivals[0].search, look)
 
     return ask
 

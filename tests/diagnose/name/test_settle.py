@@ -11,29 +11,25 @@ from crashkit.diagnose.name.settle import settled
 from crashkit.testing import toys
 
 
-def silent(doing, share):
-    """Nobody watches."""
-
-
-def test_a_winner_that_leaves_something_is_identified_again(workshop, offered):
+def test_a_winner_that_leaves_something_is_identified_again(workshop, inquiry, offered):
     """It had stopped where its dashpot was ten times too strong."""
     look, _, final = offered(800.0)
     damping = look.rivals[0].proposal.parameters[0]
     misled = final.misfit.with_values({**final.misfit.values(final.point), damping: 8000.0})
     winner = evolve(look.rivals[0], search=begin(workshop.identifier, misled))
-    found = settled(workshop, look.before, look, winner, [], silent).rivals[0]
+    found = settled(inquiry(begin(workshop.identifier, look.before)), look, winner, []).rivals[0]
     gained = winner.search.deviance - found.search.deviance
     assert found.search.deviance == pytest.approx(final.deviance, abs=1.0)
     assert (found.drop - winner.drop, found.evidence - winner.evidence) == pytest.approx((gained, 0.5 * gained))
 
 
-def test_a_winner_that_explains_everything_is_left_as_it_is(workshop, offered):
+def test_a_winner_that_explains_everything_is_left_as_it_is(workshop, inquiry, offered):
     look, _, _ = offered(800.0)
-    assert settled(workshop, look.before, look, look.rivals[0], [], silent) is look
+    assert settled(inquiry(begin(workshop.identifier, look.before)), look, look.rivals[0], []) is look
 
 
 @pytest.mark.parametrize("entered", [True, False])
-def test_a_load_on_a_stiff_tie_gives_way_to_a_mass_that_is_wrong(workshop, misfit, recorded, entered):
+def test_a_load_on_a_stiff_tie_gives_way_to_a_mass_that_is_wrong(workshop, inquiry, misfit, recorded, entered):
     """The mass was only fitted from where the model without it had been driven, and had not got far, or was given up."""
     rear = evolve(toys.two_degrees().body("rear").mass, fixed=True)
     two = toys.two_degrees().with_parameters({"body.rear.mass": rear})
@@ -48,7 +44,7 @@ def test_a_load_on_a_stiff_tie_gives_way_to_a_mass_that_is_wrong(workshop, misfi
     ]
     rivals = ranked_by_evidence([(load, begun[0].advance(60)), (mass, begun[1])], base.deviance)[: 2 if entered else 1]
     assert rivals[0].proposal is load
-    look = settled(workshop, base.fitted(), Round(tuple(rivals), (1.0, 0.0), 0.0, base.fitted()), rivals[0], [], silent)
+    look = settled(inquiry(base, given=base.fitted()), Round(tuple(rivals), (1.0, 0.0), 0.0, base.fitted()), rivals[0], [])
     assert look.winner.identity == ("added_mass", "body rear")
     found = look.winner.search
     assert found.misfit.values(found.point)["body.rear.mass"] == pytest.approx(1.2 * rear.value, rel=0.02)
