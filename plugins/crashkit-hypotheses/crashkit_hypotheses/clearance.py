@@ -8,21 +8,32 @@ from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
+from crashkit.registry import load
 from crashkit_hypotheses.build import Effect, changed, grid
-from crashkit_hypotheses.sizes import largest_deformation
+from crashkit_hypotheses.sizes import largest_deformation, largest_force
 
 
 class Clearance(Hypothesis):
-    """F(d) becomes F(d - gap), and 0 while d < gap; or it engages softly after the gap."""
+    """F(d) becomes F(d - gap), and 0 while d < gap; or it engages softly after the gap, or a soft pad fills that."""
 
     physics: ClassVar[str] = "clearance"
     sentence: ClassVar[str] = "{place} engages only after a gap"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every joint whose law has a clearance that is not identified already."""
-        closed = [joint for joint in model.joints if _is_closed(joint)]
-        forms = (self._gap, self._toe)
-        return [form(model, joint, max(largest_deformation(motion, joint.name), 0.01)) for joint in closed for form in forms]
+        return [
+            form
+            for joint in model.joints
+            if _is_closed(joint)
+            for form in self._forms(model, joint, max(largest_deformation(motion, joint.name), 0.01), motion)
+        ]
+
+    def _forms(self, model: Model, joint: Joint, reached: float, motion: Sequence[xr.Dataset]) -> list[Proposal]:
+        gap, toe = self._gap(model, joint, reached), self._toe(model, joint, reached)
+        padded = f"{joint.law} | pad"
+        if padded not in load().spring_laws:
+            return [gap, toe]
+        return [gap, toe, self._padded(model, joint, padded, reached, largest_force(motion, joint.name))]
 
     def _gap(self, model: Model, joint: Joint, reached: float) -> Proposal:
         gap = {"clearance": Parameter(0.0, 0.0, reached)}
@@ -34,6 +45,15 @@ class Clearance(Hypothesis):
         starts = grid(clearance=[share * reached for share in (0.0, 0.05, 0.2)], toe=[0.05 * reached])
         proposal = changed(model, joint, Effect(self.physics, "toe", joint.law, soft, "clearance", starts))
         return evolve(proposal, null=dict.fromkeys(proposal.parameters, 0.0))
+
+    def _padded(self, model: Model, joint: Joint, law: str, reached: float, force: float) -> Proposal:
+        pad = {
+            "clearance": Parameter(0.0, 0.0, reached),
+            "pad_force": Parameter(0.0, 0.0, max(force, 1.0)),
+            "pad_exponent": Parameter(1.0, 0.3, 6.0),
+        }
+        starts = grid(clearance=[share * reached for share in (0.05, 0.2)], pad_force=[0.1 * force])
+        return changed(model, joint, Effect(self.physics, "padded", law, pad, "clearance", starts, null=None))
 
 
 def _is_closed(joint: Joint) -> bool:

@@ -152,6 +152,13 @@ def engaging_softly(model):
     return model.with_parameters(fixed(**{"joint.first.clearance": 0.02, "joint.first.toe": 0.12}))
 
 
+def padded(model):
+    """A pad in the gap of the first joint."""
+    first, own = model.joint("first"), fixed(clearance=0.08, pad_force=2e4, pad_exponent=2.0)
+    law = evolve(first, law=f"{first.law} | pad", parameters={**first.parameters, **own})
+    return evolve(model, joints=tuple(law if joint.name == "first" else joint for joint in model.joints))
+
+
 def buckling(model):
     first = model.joints[0]
     peak = fixed(peak_force=2e4, peak_deformation=0.1, peak_sharpness=20.0)
@@ -400,6 +407,7 @@ CASES = {
     ),
     fading: (("relaxation", "fading", {"joint": "first"}), {"fading_share": 0.4, "relaxation_time": 0.03}),
     engaging_softly: (("clearance", "toe", {"joint": "first"}), {"clearance": 0.02, "toe": 0.12}),
+    padded: (("clearance", "padded", {"joint": "first"}), {"clearance": 0.08, "pad_force": 2e4, "pad_exponent": 2.0}),
     buckling: (
         ("peak_load", "narrow", {"joint": "first"}),
         {"peak_force": 2e4, "peak_deformation": 0.1, "peak_sharpness": 20.0},

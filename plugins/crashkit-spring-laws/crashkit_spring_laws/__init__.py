@@ -25,6 +25,7 @@ from crashkit_spring_laws.stops import (
     HuntCrossley,
     LinearStop,
     LockingStop,
+    Pad,
     QuadraticStop,
     TensionSpring,
 )
@@ -55,6 +56,7 @@ SPRING_LAWS = (
     ExponentialStop,
     CrushStop,
     HuntCrossley,
+    Pad,
     TensionSpring,
     Peak,
     PointedPeak,

@@ -3,6 +3,7 @@
 import math
 
 from crashkit.protocols import ParameterSpec, SpringLaw
+from crashkit_spring_laws.shared import CLEARANCE
 
 STOP_DEFORMATION = ParameterSpec("stop_deformation", "m", "deformation at which the stop is met", lower=0.0)
 
@@ -129,6 +130,27 @@ class CrushStop(SpringLaw):
         """The force, N, compression positive."""
         x, x_max = max(0.0, d - stop_deformation), max(0.0, d_max - stop_deformation)
         return stiffness * max(0.0, min(x_max, crush_length) - release * (x_max - x))
+
+
+class Pad(SpringLaw):
+    """A soft pad that fills a gap and is then pressed flat: F = P min(1, d / clearance)^n, nothing where there is no gap.
+
+    Beside a law with the same clearance, `a | pad`, what the member feels before it engages.
+    """
+
+    name = "pad"
+    parameters = (
+        ParameterSpec("pad_force", "N", "force of the pad that is pressed flat (P)", lower=0.0, null=0.0),
+        ParameterSpec("pad_exponent", "1", "of the way into the pad (n)", lower=0.3, upper=6.0, default=1.0),
+        CLEARANCE,
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, pad_force: float, pad_exponent: float, clearance: float) -> float:
+        """The force, N, compression positive."""
+        if d <= 0.0 or clearance <= 0.0:
+            return 0.0
+        return pad_force * min(1.0, d / clearance) ** pad_exponent
 
 
 class TensionSpring(SpringLaw):
