@@ -20,10 +20,8 @@ FIRST = 0.02
 """Of the deformation reached: no plateau is taken to begin before."""
 BRISTLE = 0.05
 """Of the deformation reached: length of a bristle to start from."""
-SMOOTH = {"slip_rate": Parameter(0.4, 0.01, 3.0)}
-"""Of friction: how fast it slides once it is established."""
-TAILED = SMOOTH | {"tail": Parameter(1.0, -0.5, 2.5)}
-"""The same where it is long in reaching its full force."""
+TAIL = {"tail": Parameter(1.0, -0.5, 2.5)}
+"""Of smooth friction that is long in reaching its full force."""
 REFINED = ("smooth and falling", "smooth with a tail")
 """The forms of friction that are only tried where another was found: they take many shapes."""
 SLOWEST = 0.5
@@ -80,13 +78,13 @@ class JointFriction(Hypothesis):
         reached = largest_deformation(motion, joint.name)
         force = {"friction_force": Parameter(0.0, 0.0, 1e7)}
         length = Parameter(BRISTLE * reached, 1e-3 * BRISTLE * reached, reached)
-        less = falling(largest_rate(motion, joint.name))
+        less, established = falling(largest_rate(motion, joint.name)), smooth(largest_rate(motion, joint.name))
         laws = {
             "sharp": ("coulomb", {**force, "slip_rate": Parameter(0.05, fixed=True)}),
-            "smooth": ("coulomb", force | SMOOTH),
+            "smooth": ("coulomb", force | established),
             "falling": ("coulomb", less),
-            REFINED[0]: ("coulomb", less | SMOOTH),
-            REFINED[1]: ("coulomb", force | TAILED),
+            REFINED[0]: ("coulomb", less | established),
+            REFINED[1]: ("coulomb", force | established | TAIL),
             "bristles": ("dahl", {**force, "bristle_length": length}),
         }
         always, closed = ({"always": Parameter(flag, fixed=True)} for flag in (1.0, 0.0))
@@ -98,10 +96,10 @@ class JointFriction(Hypothesis):
         ]
         odds = 1.0 / len(times)
         beside = [evolve(parallel(model, joint, effect), refined=form in REFINED, odds=odds) for form, effect in told]
-        pushing = Effect(self.physics, "smooth, only pushing", "coulomb", force | SMOOTH | closed, "friction_force")
+        pushing = Effect(self.physics, "smooth, only pushing", "coulomb", force | established | closed, "friction_force")
         share = {"friction_share": Parameter(0.0, 0.0, 1.0), "slip_rate": Parameter(0.1, 0.01, 1.0)}
         pressed = Effect(self.physics, "in proportion", "rubbing", share, "friction_share")
-        preload = Effect(self.physics, "preloaded", "coulomb", force | SMOOTH | always, "friction_force")
+        preload = Effect(self.physics, "preloaded", "coulomb", force | established | always, "friction_force")
         fine = [
             *pushing_beside(model, joint, pushing),
             multiplied(model, joint, pressed),
@@ -178,6 +176,12 @@ class ProgressiveFolding(Hypothesis):
             added(model, joint, Effect(self.physics, "sine", "folding", folds, "amplitude", starts)),
             added(model, joint, Effect(self.physics, "shaped", "folding", shaped, "amplitude", of_one_phase)),
         ]
+
+
+def smooth(fastest: float) -> dict[str, Parameter]:
+    """Of friction: how fast it slides once it is established, m/s. Beyond the fastest there was it would be a damper."""
+    fastest = min(max(fastest, SLOWEST), 3.0)
+    return {"slip_rate": Parameter(min(0.4, 0.3 * fastest), min(0.01, 0.1 * fastest), fastest)}
 
 
 def falling(fastest: float) -> dict[str, Parameter]:

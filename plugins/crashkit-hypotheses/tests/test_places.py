@@ -260,3 +260,13 @@ def test_friction_in_a_joint_that_parts_may_end_there_or_not(propose, runs):
     closed = [run.assign(deformation=np.maximum(run["deformation"], 0.0)) for run in runs]
     assert {p.odds for p in propose("joint_friction", motion=parting)} == {0.5}
     assert {p.odds for p in propose("joint_friction", motion=closed)} == {1.0}
+
+
+def test_friction_slides_at_a_rate_that_was_reached(propose, runs):
+    """What is established faster than anything moved is a damper."""
+    fastest = max(float(np.abs(run["deformation_rate"].sel(joint="first")).max()) for run in runs)
+    (smooth,) = (p for p in propose("joint_friction") if p.form == "smooth" and p.location == {"joint": "first"})
+    slip = smooth.model.parameters()[f"joint.{smooth.model.joints[-1].name}.slip_rate"]
+    assert 0.5 < fastest < 3.0
+    assert slip.upper == pytest.approx(fastest)
+    assert slip.lower < slip.value < slip.upper
