@@ -264,9 +264,9 @@ def test_friction_in_a_joint_that_parts_may_end_there_or_not(propose, runs):
 
 def test_friction_slides_at_a_rate_that_was_reached(propose, runs):
     """What is established faster than anything moved is a damper."""
-    fastest = max(float(np.abs(run["deformation_rate"].sel(joint="first")).max()) for run in runs)
-    (smooth,) = (p for p in propose("joint_friction") if p.form == "smooth" and p.location == {"joint": "first"})
-    slip = smooth.model.parameters()[f"joint.{smooth.model.joints[-1].name}.slip_rate"]
-    assert 0.5 < fastest < 3.0
-    assert slip.upper == pytest.approx(fastest)
+    slow = [run.assign(deformation_rate=0.05 * run["deformation_rate"]) for run in runs]
+    fastest = max(float(np.abs(run["deformation_rate"].sel(joint="first")).max()) for run in slow)
+    (smooth,) = (p for p in propose("joint_friction", motion=slow) if (p.form, p.location) == ("smooth", {"joint": "first"}))
+    slip = smooth.model.parameters()["joint.first_joint_friction.slip_rate"]
+    assert 0.5 < slip.upper == fastest < 3.0
     assert slip.lower < slip.value < slip.upper
