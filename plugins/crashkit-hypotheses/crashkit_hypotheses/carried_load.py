@@ -40,7 +40,7 @@ class CarriedLoad(Hypothesis):
         tied = [
             tie(Carrier(model, body, mass, *stop_of(motion, body.name)))
             for body, mass in carriers
-            for tie in (_tied, _slack, _let_go, _stiffening, _sliding, _belt, _crush)
+            for tie in (_tied, _slack, _let_go, _stiffening, _sliding, _strap, _belt, _crush)
         ]
         return [*tied, *(p for body, mass in carriers for p in meets_obstacle(model, body, mass, recordings))]
 
@@ -108,17 +108,21 @@ def _let_go(carrier: Carrier) -> Proposal:
 
 def _stiffening(carrier: Carrier) -> Proposal:
     """The same with a spring that gets stiffer: F = k x (1 + s x) + c ddot, x = d - slack."""
-    travel = 0.5 * carrier.speed * carrier.duration
-    more = {**SLACK, "stiffening": Parameter(1.0 / travel, 0.0, 100.0 / travel)}
-    return evolve(_loaded(carrier, "stiffening", "tie", _spring(carrier) | more, _with_slack(carrier, 1.0)), refined=True)
+    stiffer = _spring(carrier) | SLACK | _stiffer(carrier)
+    return evolve(_loaded(carrier, "stiffening", "tie", stiffer, _with_slack(carrier, 1.0)), refined=True)
 
 
 def _sliding(carrier: Carrier) -> Proposal:
     """F = k d + c ddot beyond a slack, and friction on the carrier at all times."""
-    rubs = {"friction_force": Parameter(0.0, 0.0, MOST_RUBBING * carrier.force), "slip_rate": Parameter(SLIP, fixed=True)}
-    weighed = [(start, start["mass"] / carrier.mass) for start in _with_slack(carrier, 1.0)]
-    starts = [{**start, "friction_force": RUBBING * share * carrier.force} for start, share in weighed]
-    return _loaded(carrier, "sliding", "tie", _spring(carrier) | SLACK | HOLDS, starts, rubs)
+    return _loaded(carrier, "sliding", "tie", _spring(carrier) | SLACK | HOLDS, _rubbed(carrier), _rubs(carrier))
+
+
+def _strap(carrier: Carrier) -> Proposal:
+    """The same with a spring that gets stiffer, and gives back less than it took."""
+    gives_less = {"loss": Parameter(0.3, 0.0, 1.0), "unloading_length": Parameter(0.01, 1e-4, 0.3)}
+    strap = _spring(carrier) | SLACK | _stiffer(carrier) | gives_less
+    loaded = _loaded(carrier, "strap", "tie", strap, _rubbed(carrier), _rubs(carrier), ("unloading_loss",))
+    return evolve(loaded, refined=True)
 
 
 def _belt(carrier: Carrier) -> Proposal:
@@ -176,18 +180,41 @@ def _swing(carrier: Carrier, share: float, period: float) -> dict[str, float]:
     return {"mass": mass, "stiffness": stiffness, "damping": 0.3 * float(np.sqrt(stiffness * mass))}
 
 
+def _stiffer(carrier: Carrier) -> dict[str, Parameter]:
+    travel = 0.5 * carrier.speed * carrier.duration
+    return {"stiffening": Parameter(1.0 / travel, 0.0, 100.0 / travel)}
+
+
+def _rubs(carrier: Carrier) -> dict[str, Parameter]:
+    force = Parameter(0.0, 0.0, MOST_RUBBING * carrier.force)
+    return {"friction_force": force, "slip_rate": Parameter(SLIP, fixed=True)}
+
+
+def _rubbed(carrier: Carrier) -> list[Start]:
+    """With slack, and friction that takes a share of what stops the load."""
+    weighed = [(start, start["mass"] / carrier.mass) for start in _with_slack(carrier, 1.0)]
+    return [{**start, "friction_force": RUBBING * share * carrier.force} for start, share in weighed]
+
+
 def _with_slack(carrier: Carrier, *periods: float) -> list[Start]:
     swings = [_swing(carrier, share, period) for share in MASS_SHARES for period in periods]
     return [swing | {"slack": slack} for swing in swings for slack in SLACKS]
 
 
 def _loaded(
-    carrier: Carrier, form: str, law: str, parameters: Parameters, starts: Sequence[Start], rubs: Parameters | None = None
+    carrier: Carrier,
+    form: str,
+    law: str,
+    parameters: Parameters,
+    starts: Sequence[Start],
+    rubs: Parameters | None = None,
+    factors: tuple[str, ...] = (),
 ) -> Proposal:
     """The model with the load; `starts` name its mass `mass`, and the rest as its joints do.
 
     Arguments:
         rubs: parameters of its friction on the carrier, if there is any.
+        factors: on the force of the tie.
     """
     model, body, mass = carrier.model, carrier.body, carrier.mass
     load = fresh_name(f"{body.name}_load", (b.name for b in model.bodies))
@@ -195,10 +222,10 @@ def _loaded(
     weight = Parameter(0.1 * mass, 0.01 * mass, 2.0 * mass)
     loaded = Body(load, body.position, body.velocity, weight, carrier=body.name, inertia=plane_inertia(model, mass))
     augmented, paths = with_body(model, loaded), {"mass": f"body.{load}.mass"}
-    for name, law_of, own in ((tie, law, parameters), (friction, "coulomb", rubs or {})):
+    for name, law_of, own, by in ((tie, law, parameters, factors), (friction, "coulomb", rubs or {}, ())):
         if own:
             # The load comes first, so that its pressing forward counts as compression.
-            joint = Joint(name, (load, body.name), law_of, dict(own), normal=forward(model, body))
+            joint = Joint(name, (load, body.name), law_of, dict(own), by, normal=forward(model, body))
             augmented = with_joint(augmented, joint)
             paths |= {key: f"joint.{name}.{key}" for key, parameter in own.items() if not parameter.fixed}
     named = tuple({paths[name]: value for name, value in start.items()} for start in starts)

@@ -240,6 +240,14 @@ def belted(model):
     return with_joint(loaded, Joint("belt", ("load", "rear"), "tie", belt))
 
 
+def strapped(model):
+    """The same in a strap that gives back little of what it took."""
+    loaded = belted(model)
+    strap, less = loaded.joint("belt"), fixed(loss=0.6, unloading_length=0.01)
+    strap = evolve(strap, factors=("unloading_loss",), parameters={**strap.parameters, **less})
+    return evolve(loaded, joints=tuple(strap if joint.name == "belt" else joint for joint in loaded.joints))
+
+
 def stiffening(model):
     """An exponential wall in the loading curve of the first joint."""
     first, wall = model.joint("first"), fixed(force=2e3, stop_deformation=0.6, growth_way=0.25)
@@ -442,6 +450,7 @@ CASES = {
     ),
     cargo: (("carried_load", "sliding", {"body": "rear"}), {"mass": 60.0, "slack": 0.03, "friction_force": 300.0}),
     belted: (("carried_load", "stiffening", {"body": "rear"}), {"mass": 300.0, "slack": 0.05, "stiffening": 40.0}),
+    strapped: (("carried_load", "strap", {"body": "rear"}), {"mass": 300.0, "slack": 0.05, "loss": 0.6}),
     stiffening: (("bottoming", "exponential", {"joint": "first"}), {}),
     unzipped: (
         ("fracture", "in two steps", {"joint": "first"}),
@@ -480,7 +489,7 @@ CASES = {
     drifting: (("bias", "drift", {"sensor": "rear_sensor"}), {"bias": 2.0, "bias_drift": 30.0}),
 }
 
-LATE = {absorbing, cushioned, belted, pulling, relaxing_twice, stopped, pressed_by_a_ball, clamping, clamped, repelling}
+LATE = {absorbing, cushioned, belted, strapped, pulling, relaxing_twice, stopped, pressed_by_a_ball, clamping, clamped, repelling}
 """What acts on the way back."""
 
 
