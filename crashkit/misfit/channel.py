@@ -51,6 +51,14 @@ class Group:
     recorded: np.ndarray
     channels: tuple[Channel, ...]
 
+    def motion(self) -> xr.Dataset | None:
+        """Of the bodies that it watches, from its readings alone; None where these do not tell all of it, as those of one
+        accelerometer on a body that may turn."""
+        try:
+            return self.observer.reconstruct(self.dataset)
+        except CrashkitError:
+            return None
+
 
 def groups_of(run: str, recording: xr.DataTree, observers: Mapping[str, type[Observer]], model: Model) -> Iterator[Group]:
     """The instruments of a recording that watch the model's bodies; of those on a line, along that line.

@@ -58,8 +58,9 @@ def _comparisons(instruments: list[Group]) -> Iterator[Comparison]:
     sensors = [g for g in instruments if g.observer.quantity == "acceleration"]
     for film in films:
         for sensor in sensors:
-            seen = film.observer.reconstruct(film.dataset)
-            felt = sensor.observer.reconstruct(sensor.dataset)
+            seen, felt = film.motion(), sensor.motion()
+            if seen is None or felt is None:
+                continue
             for body in sorted(set(seen["body"].values) & set(felt["body"].values)):
                 yield from _compare(film, sensor, str(body), seen, felt)
 

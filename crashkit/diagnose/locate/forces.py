@@ -24,7 +24,9 @@ def recorded_motion(misfit: Misfit, run: str, simulated: xr.Dataset, smoother: S
     acceleration = simulated["acceleration"].copy(deep=True)
     observed = xr.zeros_like(simulated["body"], dtype=bool)
     for group in [g for g in misfit.groups if g.run == run and g.observer.quantity in ("position", "acceleration")]:
-        seen = group.observer.reconstruct(group.dataset)
+        seen = group.motion()
+        if seen is None:
+            continue
         for body in seen["body"].values:
             at = {"body": body, "axis": acceleration["axis"].values[0]}
             if group.observer.quantity == "acceleration":

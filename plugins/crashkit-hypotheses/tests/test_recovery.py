@@ -489,7 +489,19 @@ CASES = {
     drifting: (("bias", "drift", {"sensor": "rear_sensor"}), {"bias": 2.0, "bias_drift": 30.0}),
 }
 
-LATE = {absorbing, cushioned, belted, strapped, pulling, relaxing_twice, stopped, pressed_by_a_ball, clamping, clamped, repelling}
+LATE = {
+    absorbing,
+    cushioned,
+    belted,
+    strapped,
+    pulling,
+    relaxing_twice,
+    stopped,
+    pressed_by_a_ball,
+    clamping,
+    clamped,
+    repelling,
+}
 """What acts on the way back."""
 
 

@@ -135,7 +135,9 @@ def _found(groups: tuple[Group, ...]) -> tuple[_Found, ...]:
 
 
 def _found_in(group: Group) -> Iterator[_Found]:
-    seen = group.observer.reconstruct(group.dataset)
+    seen = group.motion()
+    if seen is None:
+        return
     late = group.times >= 0.0
     for quantity in (name for name in ORDERS if name in seen):
         table = seen[quantity].transpose("time", "body", "axis")
