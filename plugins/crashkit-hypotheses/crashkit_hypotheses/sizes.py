@@ -22,6 +22,12 @@ def largest_extension(motions: Sequence[xr.Dataset], joint: str) -> float:
     return max(float(-np.nanmin(motion["deformation"].sel(joint=joint).values, initial=0.0)) for motion in motions)
 
 
+def largest_recoil(motions: Sequence[xr.Dataset], joint: str) -> float:
+    """m, from the largest deformation back, over all runs."""
+    deformations = [motion["deformation"].sel(joint=joint).values for motion in motions]
+    return max(float(np.nanmax(np.fmax.accumulate(deformation) - deformation)) for deformation in deformations)
+
+
 def pulls(motions: Sequence[xr.Dataset], joint: str) -> bool:
     """Whether a joint pulled in some run."""
     stretched = largest_extension(motions, joint) > 0.0

@@ -10,20 +10,22 @@ from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit.registry import load
 from crashkit_hypotheses.build import Effect, changed, grid, parallel
-from crashkit_hypotheses.sizes import largest_deformation, largest_extension, largest_force
+from crashkit_hypotheses.sizes import largest_deformation, largest_extension, largest_force, largest_recoil
 
 STRETCHED = 1e-4
 """m."""
 
 
 class Tension(Hypothesis):
-    """The joint's own lines go on below F = 0, without end or to a limit, or F = F_law + k min(0, d + slack)."""
+    """The joint's own lines go on below F = 0, without end or to a limit; or F = F_law + k min(0, d + slack), or a hook
+    latches as it is crushed: F = F_law - P max(0, (d_max - d - play) / way)^n."""
 
     physics: ClassVar[str] = "tension"
     sentence: ClassVar[str] = "{place} also pulls"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Its own line at every joint that is compressed or stretched, a strap at every joint that is stretched."""
+        """Its own line at every joint that is compressed or stretched, a strap at every joint that is stretched, a hook at
+        every joint that springs back."""
         proposals = []
         for joint in model.joints:
             stretch = largest_extension(motion, joint.name)
@@ -33,6 +35,9 @@ class Tension(Hypothesis):
                 proposals += self._limited(model, joint, largest_force(motion, joint.name))
             if stretch > STRETCHED:
                 proposals.append(self._strap(model, joint, stretch))
+            recoil = largest_recoil(motion, joint.name)
+            if _only_pushes(joint) and recoil > STRETCHED:
+                proposals.append(self._hook(model, joint, recoil))
         return proposals
 
     def _limited(self, model: Model, joint: Joint, largest: float) -> list[Proposal]:
@@ -48,6 +53,16 @@ class Tension(Hypothesis):
         strap = {"stiffness": Parameter(0.0, 0.0, 1e9), "slack": Parameter(0.0, 0.0, stretch)}
         starts = grid(slack=(0.0, 0.2 * stretch, 0.5 * stretch))
         return parallel(model, joint, Effect(self.physics, "strap", "tension_spring", strap, "stiffness", starts))
+
+    def _hook(self, model: Model, joint: Joint, recoil: float) -> Proposal:
+        hook = {
+            "pull_force": Parameter(0.0, 0.0, 1e7),
+            "play": Parameter(0.0, 0.0, recoil),
+            "pull_exponent": Parameter(1.0, 1.0, 4.0),
+            "way": Parameter(0.1 * recoil, fixed=True),
+        }
+        starts = grid(play=(0.1 * recoil, 0.4 * recoil))
+        return parallel(model, joint, Effect(self.physics, "hook", "hook", hook, "pull_force", starts))
 
 
 def _only_pushes(joint: Joint) -> bool:

@@ -120,11 +120,13 @@ def test_a_force_of_the_time_may_be_larger_where_several_runs_have_it_in_common(
     assert sizes[1] == pytest.approx(3.0 * sizes[0])
 
 
-def test_a_strap_needs_a_joint_that_was_stretched_and_a_pulling_line_one_that_does_not_pull(propose, runs, model):
+def test_a_strap_needs_a_joint_that_was_stretched_a_hook_one_that_sprang_back_and_a_line_one_that_does_not_pull(
+    propose, runs, model
+):
     pressed = [run.assign(deformation=np.maximum(run["deformation"], 0.0)) for run in runs]
     assert places(propose("tension")) == BOTH_JOINTS
-    assert {p.form for p in propose("tension")} == {"own line", "own line, to a limit", "strap"}
-    assert {p.form for p in propose("tension", motion=pressed)} == {"own line", "own line, to a limit"}
+    assert {p.form for p in propose("tension")} == {"own line", "own line, to a limit", "strap", "hook"}
+    assert {p.form for p in propose("tension", motion=pressed)} == {"own line", "own line, to a limit", "hook"}
     pulls = model.with_parameters({"joint.first.tension": Parameter(1.0, fixed=True)})
     assert places(propose("tension", pulls, pressed)) == {(("joint", "second"),)}
 

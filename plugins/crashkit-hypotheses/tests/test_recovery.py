@@ -248,6 +248,12 @@ def strapped(model):
     return evolve(loaded, joints=tuple(strap if joint.name == "belt" else joint for joint in loaded.joints))
 
 
+def hooked(model):
+    """A hook latches as the second joint is crushed."""
+    hook = fixed(pull_force=4e3, play=0.03, pull_exponent=2.0, way=0.02)
+    return with_joint(model, Joint("hook", model.joint("second").bodies, "hook", hook))
+
+
 def stiffening(model):
     """An exponential wall in the loading curve of the first joint."""
     first, wall = model.joint("first"), fixed(force=2e3, stop_deformation=0.6, growth_way=0.25)
@@ -451,6 +457,7 @@ CASES = {
     cargo: (("carried_load", "sliding", {"body": "rear"}), {"mass": 60.0, "slack": 0.03, "friction_force": 300.0}),
     belted: (("carried_load", "stiffening", {"body": "rear"}), {"mass": 300.0, "slack": 0.05, "stiffening": 40.0}),
     strapped: (("carried_load", "strap", {"body": "rear"}), {"mass": 300.0, "slack": 0.05, "loss": 0.6}),
+    hooked: (("tension", "hook", {"joint": "second"}), {"play": 0.03, "pull_exponent": 2.0}),
     stiffening: (("bottoming", "exponential", {"joint": "first"}), {}),
     unzipped: (
         ("fracture", "in two steps", {"joint": "first"}),
@@ -494,6 +501,7 @@ LATE = {
     cushioned,
     belted,
     strapped,
+    hooked,
     pulling,
     relaxing_twice,
     stopped,

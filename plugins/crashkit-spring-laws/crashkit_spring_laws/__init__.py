@@ -22,6 +22,7 @@ from crashkit_spring_laws.relaxation import Maxwell, QuasiLinear
 from crashkit_spring_laws.stops import (
     CrushStop,
     ExponentialStop,
+    Hook,
     HuntCrossley,
     LinearStop,
     LockingStop,
@@ -58,6 +59,7 @@ SPRING_LAWS = (
     HuntCrossley,
     Pad,
     TensionSpring,
+    Hook,
     Peak,
     PointedPeak,
     BellPeak,

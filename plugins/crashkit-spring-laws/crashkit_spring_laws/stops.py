@@ -166,3 +166,26 @@ class TensionSpring(SpringLaw):
     def force(d: float, ddot: float, d_max: float, stiffness: float, slack: float) -> float:
         """The force, N, compression positive."""
         return stiffness * min(0.0, d + slack)
+
+
+class Hook(SpringLaw):
+    """A hook that latches where its member was crushed to, and pulls on the way back.
+
+    F = -P (max(0, d_max - d - play) / way)^n
+    """
+
+    name = "hook"
+    parameters = (
+        ParameterSpec("pull_force", "N", "force of the hook stretched by `way` beyond its play (P)", lower=0.0, null=0.0),
+        ParameterSpec("play", "m", "way back before it pulls", lower=0.0, default=0.0),
+        ParameterSpec("pull_exponent", "1", "of the way beyond the play (n)", lower=1.0, upper=4.0, default=1.0),
+        ParameterSpec("way", "m", "beyond the play, at which `pull_force` is meant", lower=1e-6, default=0.01, free=False),
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, pull_force: float, play: float, pull_exponent: float, way: float) -> float:
+        """The force, N, compression positive."""
+        stretched = d_max - d - play
+        if stretched <= 0.0:
+            return 0.0
+        return -pull_force * (stretched / way) ** pull_exponent
