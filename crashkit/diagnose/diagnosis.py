@@ -178,4 +178,4 @@ def _leading(discovery: Discovery) -> Sequence[Round]:
 def _is_worthless(rounds: Sequence[Round], base: Misfit, final: Misfit) -> bool:
     """Whether all samples together show less than the findings cost: then these explained what thinning had left."""
     before, after = (misfit.deviance(misfit.residual(misfit.start())) for misfit in (base, final))
-    return before - after < sum(price(look.rivals[0].proposal, final) for look in rounds)
+    return before - after < sum(price(look.leader.proposal, final) for look in rounds)

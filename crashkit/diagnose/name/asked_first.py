@@ -40,7 +40,7 @@ def asked_first(inquiry: Inquiry, looks: Sequence[Round]) -> Discovery | None:
 
 def _in_other_forms(inquiry: Inquiry, looks: Sequence[Round]) -> Discovery | None:
     """The same findings, fitted to all runs, in the forms that suit these."""
-    claims = [look.rivals[0] for look in looks]
+    claims = [look.leader for look in looks]
     search = inquiry.fit_with(claims, claims[-1].search)
     if search is None:
         return None
@@ -51,7 +51,7 @@ def _in_other_forms(inquiry: Inquiry, looks: Sequence[Round]) -> Discovery | Non
 
 def _with_all_runs(inquiry: Inquiry, look: Round, claims: Sequence[Rival], search: Search) -> Round:
     """The look with its finding alone, fitted to all runs beside the others."""
-    finding = look.rivals[0]
+    finding = look.leader
     others = [claim for claim in claims if claim is not finding]
     without = inquiry.fit_with(others, search) or inquiry.base
     again = rival_of(finding.proposal, search, without.deviance)

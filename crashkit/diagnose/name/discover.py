@@ -48,12 +48,12 @@ def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | Non
     believed = Inquiry(evolve(workshop, recorded={}), rest, reidentify(workshop, rest), inquiry.progress)
     structure = discovered(believed)
     rounds = list(structure.rounds)
-    search = inquiry.fit_with([look.rivals[0] for look in rounds], structure.search)
+    search = inquiry.fit_with([look.leader for look in rounds], structure.search)
     if search is None:
         return None
     unbent, waiting = evolve(inquiry, given=given.with_values_of(structure.search.fitted())), set_aside
     while waiting:
-        found, concerns = [look.rivals[0] for look in rounds], partial(_concern, waiting)
+        found, concerns = [look.leader for look in rounds], partial(_concern, waiting)
         look = in_time(None, look_again, unbent, search.fitted(), found, concerns)
         if look is None or (look.winner is None and search.normalised <= FLOOR):
             break
@@ -61,7 +61,7 @@ def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | Non
             return None
         waiting = tuple(one for one in waiting if not one.concerns(look.winner.proposal, look.before.model))
         rounds.append(in_time(look, settled, unbent, look, look.winner, found))
-        search = rounds[-1].rivals[0].search
+        search = rounds[-1].leader.search
     return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(rounds))
 
 

@@ -33,8 +33,8 @@ def _exchanges(inquiry: Inquiry, rounds: Sequence[Round], search: Search, last: 
     for rival in named:
         for place, look in enumerate(rounds):
             rest = [*rounds[:place], *rounds[place + 1 :]]
-            without = search.deviance + look.rivals[0].drop
-            forms = in_all_forms(inquiry, rival, [one.rivals[0] for one in rest], search)
-            old, new = rival_of(look.rivals[0].proposal, search, without), ranked_by_evidence(forms, without)[:1]
+            without = search.deviance + look.leader.drop
+            forms = in_all_forms(inquiry, rival, [one.leader for one in rest], search)
+            old, new = rival_of(look.leader.proposal, search, without), ranked_by_evidence(forms, without)[:1]
             if new and new[0].evidence > old.evidence + GAIN:
                 yield [*rest, between(look, [*new, old])], new[0].search

@@ -65,7 +65,7 @@ def beside_reading(inquiry: Inquiry, reading: Round) -> Discovery:
     Arguments:
         reading: the look that said so.
     """
-    search = reading.rivals[0].search
+    search = reading.leader.search
     alone = Discovery(search.fitted(), search.fitted(), search)
     given = search.fitted().with_values_of(inquiry.given)
     put_right = evolve(inquiry, workshop=evolve(inquiry.workshop, recorded={}), given=given, base=search)
@@ -93,9 +93,7 @@ def _cheaper(near: Discovery, wide: Discovery) -> Discovery:
     """What explains more for its numbers; an estimate only gives way to what explains everything."""
     if is_estimated(wide.rounds) and not explains(near.search):
         return wide
-    return min(
-        near, wide, key=lambda one: one.search.deviance + sum(price(r.rivals[0].proposal, one.final) for r in one.rounds)
-    )
+    return min(near, wide, key=lambda one: one.search.deviance + sum(price(r.leader.proposal, one.final) for r in one.rounds))
 
 
 def _where_it_acts(inquiry: Inquiry, found: Discovery) -> Discovery:
@@ -104,7 +102,7 @@ def _where_it_acts(inquiry: Inquiry, found: Discovery) -> Discovery:
     A cause that no law tells, as a joint that another one weakens, is imitated best by laws at other places. About instruments
     that are wrong the equations say nothing.
     """
-    claims = [look.rivals[0] for look in found.rounds]
+    claims = [look.leader for look in found.rounds]
     if not claims or found.search.normalised < UNEXPLAINED or any(is_of_readings(claim.proposal) for claim in claims):
         return found
     pointer = outstanding(courses(inquiry.workshop, inquiry.given))
@@ -135,7 +133,7 @@ def _nearby(inquiry: Inquiry, near: Round) -> tuple[Round, Discovery | None]:
     if not known or known[0].search.excess > HALF * inquiry.base.excess:
         return near, None
     first = settled(inquiry, between(near, known), known[0], [])
-    search = first.rivals[0].search
+    search = first.leader.search
     if search.excess < FIFTH * inquiry.base.excess:
         (first,), search = in_best_forms(inquiry, [first], search)
     near = between(near, sorted([*first.rivals, *filter(is_unknown, near.rivals)], key=lambda rival: -rival.evidence))
@@ -144,7 +142,7 @@ def _nearby(inquiry: Inquiry, near: Round) -> tuple[Round, Discovery | None]:
         return near, None
     if search.normalised < CONCEALED:
         check_pace(inquiry.workshop, inquiry.given, winner)
-    first = first if is_unknown(near.rivals[0]) else near
+    first = first if is_unknown(near.leader) else near
     look = look_again(inquiry, search.fitted(), [winner], quick=search.normalised > CONCEALED)
     if search.normalised > CONCEALED and not _completes(look):
         return near, None
@@ -187,7 +185,7 @@ def _is_confirmed(found: Discovery, look: Round) -> bool:
     """Whether a look with everything in sight has the same winner, and that leaves hardly less."""
     if len(found.rounds) != 1 or found.search.normalised > UNEXPLAINED or look.winner is None:
         return False
-    is_same = look.winner.identity == found.rounds[0].rivals[0].identity
+    is_same = look.winner.identity == found.rounds[0].leader.identity
     return is_same and look.winner.search.excess > (1.0 - FIFTH) * found.search.excess
 
 

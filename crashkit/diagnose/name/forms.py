@@ -33,13 +33,13 @@ def in_best_forms(inquiry: Inquiry, rounds: Sequence[Round], search: Search) -> 
     """
     looks = list(rounds)
     for index, look in enumerate(rounds):
-        if explains(search) or is_unknown(look.rivals[0]):
+        if explains(search) or is_unknown(look.leader):
             continue
-        others = [other.rivals[0] for other in looks if other is not look]
-        inquiry.progress(f"fitting all forms of {look.rivals[0].proposal.physics}", index / len(looks))
-        forms = in_all_forms(inquiry, look.rivals[0], others, search)
-        best = next(iter(ranked_by_evidence(forms, search.deviance + look.rivals[0].drop)), look.rivals[0])
-        if best.evidence > look.rivals[0].evidence:
+        others = [other.leader for other in looks if other is not look]
+        inquiry.progress(f"fitting all forms of {look.leader.proposal.physics}", index / len(looks))
+        forms = in_all_forms(inquiry, look.leader, others, search)
+        best = next(iter(ranked_by_evidence(forms, search.deviance + look.leader.drop)), look.leader)
+        if best.evidence > look.leader.evidence:
             looks[index], search = evolve(look, rivals=(best, *look.rivals[1:])), best.search
     return looks, search
 

@@ -48,11 +48,16 @@ class Round:
     couples: tuple[Couple, ...] = field(default=())
 
     @property
+    def leader(self) -> Rival:
+        """The most evident rival: the finding, of a round that one was made in."""
+        return self.rivals[0]
+
+    @property
     def winner(self) -> Rival | None:
         """The rival that convinces, if one does."""
         if not self.rivals or self.nothing >= CHANCE:
             return None
-        first = self.rivals[0]
+        first = self.leader
         least = _least_of(first.proposal, self.least)
         is_enough = first.drop > least or (first.drop > COMPLETING * least and self._is_completed_by(first))
         return first if is_enough else None

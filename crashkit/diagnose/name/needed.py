@@ -29,9 +29,9 @@ def needed(
     kept = list(rounds)
     for look in rounds:
         others = [one for one in kept if one is not look]
-        base = alone_again(base, [look.rivals[0].search.fitted()])
-        without = rebuild(workshop, base, [one.rivals[0] for one in others], final)
-        if without is not None and without.deviance < final.deviance + _asked(look.rivals[0], others, final.misfit):
+        base = alone_again(base, [look.leader.search.fitted()])
+        without = rebuild(workshop, base, [one.leader for one in others], final)
+        if without is not None and without.deviance < final.deviance + _asked(look.leader, others, final.misfit):
             kept, final = others, without
     return tuple(evolve(look, before=_without(workshop, look, kept, base, final)) for look in kept), base, final
 
@@ -39,13 +39,13 @@ def needed(
 def _asked(rival: Rival, others: Sequence[Round], misfit: Misfit) -> float:
     """Chi squared that a finding must explain beside the others."""
     place = place_of(rival.proposal.location)
-    there = [one.rivals[0].drop for one in others if place_of(one.rivals[0].proposal.location) == place]
+    there = [one.leader.drop for one in others if place_of(one.leader.proposal.location) == place]
     return max([price(rival.proposal, misfit), *(THERE * drop for drop in there)])
 
 
 def _without(workshop: Workshop, look: Round, kept: Sequence[Round], base: Search, final: Search) -> Misfit:
     """The fit with all other findings that were kept: when this one was made, others may have stood beside it."""
-    others = [one.rivals[0] for one in kept if one is not look]
+    others = [one.leader for one in kept if one is not look]
     model = (rebuild(workshop, base, others, final) or base).fitted().model
     return workshop.equipped([model]).misfit(look.before, model)
 

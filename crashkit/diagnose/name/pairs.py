@@ -42,7 +42,7 @@ def both(inquiry: Inquiry, look: Round) -> tuple[Round, Round] | None:
     if alone[0] is None or alone[1] is None:
         return None
     first = _beside(look, alone[1], identity(couple.second), [])
-    return first, _beside(look, alone[0], identity(couple.first), [first.rivals[0]])
+    return first, _beside(look, alone[0], identity(couple.first), [first.leader])
 
 
 def _beside(look: Round, without: Search, kept: tuple[str, str], found: Sequence[Rival]) -> Round:
@@ -69,7 +69,7 @@ def _named(inquiry: Inquiry, look: Round, table: Rival) -> Round:
     if first.winner is None:
         return first
     first = settled(inquiry, first, first.winner, [])
-    (best,), _ = in_best_forms(inquiry, [first], first.rivals[0].search)
+    (best,), _ = in_best_forms(inquiry, [first], first.leader.search)
     return best
 
 

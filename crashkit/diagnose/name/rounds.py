@@ -50,18 +50,12 @@ class Discovery:
 
 def followed(inquiry: Inquiry, begun: Sequence[Round], look: Round) -> tuple[Discovery, Round]:
     """What is found from a beginning on, and the last look."""
-    rounds, search = list(begun), begun[-1].rivals[0].search if begun else inquiry.base
+    rounds, search = list(begun), begun[-1].leader.search if begun else inquiry.base
     while look.winner is not None and not _corrects(look.winner, rounds):
-        found = [one.rivals[0] for one in rounds]
-        rounds.append(in_time(look, settled, inquiry, look, look.winner, found))
-        search = rounds[-1].rivals[0].search
-        rounds, search = in_time((rounds, search), in_best_forms, inquiry, rounds, search)
-        if len(rounds) == 1:
-            check_pace(inquiry.workshop, inquiry.given, rounds[0].rivals[0])
+        rounds, search = _one_more(inquiry, rounds, look, look.winner)
         if len(rounds) == MOST_FINDINGS or is_estimated(rounds):
             break
-        found = [one.rivals[0] for one in rounds]
-        further = in_time(None, look_again, inquiry, search.fitted(), found)
+        further = in_time(None, look_again, inquiry, search.fitted(), [one.leader for one in rounds])
         if further is None:
             break
         look = further
@@ -75,13 +69,24 @@ def followed(inquiry: Inquiry, begun: Sequence[Round], look: Round) -> tuple[Dis
     return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(rounds), last), look
 
 
+def _one_more(inquiry: Inquiry, rounds: Sequence[Round], look: Round, winner: Rival) -> tuple[list[Round], Search]:
+    """The findings with the winner of a look, settled, and each in its best form."""
+    found = [one.leader for one in rounds]
+    more = [*rounds, in_time(look, settled, inquiry, look, winner, found)]
+    search = more[-1].leader.search
+    more, search = in_time((more, search), in_best_forms, inquiry, more, search)
+    if len(more) == 1:
+        check_pace(inquiry.workshop, inquiry.given, more[0].leader)
+    return more, search
+
+
 def _completed(inquiry: Inquiry, rounds: Sequence[Round], search: Search, look: Round) -> tuple[list[Round], Search] | None:
     """The findings and the best known claim of a look that convinced of none, if together, each in its best form, they leave
     nothing; None if not.
 
     Beside a gross effect a second one in a form that is off explains too little to convince.
     """
-    found = [one.rivals[0] for one in rounds]
+    found = [one.leader for one in rounds]
     known = {place_of(rival.proposal.location) for rival in found}
     claim = next((rival for rival in look.rivals if not is_unknown(rival)), None)
     if look.winner is not None or claim is None or search.normalised < UNEXPLAINED:
@@ -92,7 +97,7 @@ def _completed(inquiry: Inquiry, rounds: Sequence[Round], search: Search, look: 
     best = max([claim, *forms], key=lambda rival: rival.evidence)
     others = [rival for rival in look.rivals if rival.identity != best.identity]
     tried = settled(inquiry, between(look, [best, *others]), best, found)
-    more, end = in_best_forms(inquiry, [*rounds, tried], tried.rivals[0].search)
+    more, end = in_best_forms(inquiry, [*rounds, tried], tried.leader.search)
     return (more, end) if explains(end) else None
 
 
@@ -113,17 +118,17 @@ def reconsidered(inquiry: Inquiry, rounds: list[Round], search: Search) -> tuple
     and nothing can be spared, there is nothing to question; nor is the same asked twice.
     """
     looks = list(rounds)
-    for claim in [look.rivals[0].identity for look in rounds]:
-        place = [look.rivals[0].identity for look in looks].index(claim)
+    for claim in [look.leader.identity for look in rounds]:
+        place = [look.leader.identity for look in looks].index(claim)
         rest = [*looks[:place], *looks[place + 1 :]]
-        without = inquiry.fit_with([look.rivals[0] for look in rest], search)
+        without = inquiry.fit_with([look.leader for look in rest], search)
         if without is None:
             continue
         rest, without = in_best_forms(inquiry, rest, without)
         is_needed = search.normalised < FLOOR and without.deviance > search.deviance + NEEDED
         if is_needed or _was_asked(looks[place], without):
             continue
-        look = look_again(inquiry, without.fitted(), [one.rivals[0] for one in rest])
+        look = look_again(inquiry, without.fitted(), [one.leader for one in rest])
         if look.winner is None or _corrects(look.winner, rest):
             if without.deviance < search.deviance + look.least:
                 looks, search = rest, without
@@ -134,13 +139,13 @@ def reconsidered(inquiry: Inquiry, rounds: list[Round], search: Search) -> tuple
 
 def _corrects(winner: Rival, rounds: Sequence[Round]) -> bool:
     """A table at the place of a named finding says how far the form of that is off, not that there is more."""
-    places = [place_of(look.rivals[0].proposal.location) for look in rounds]
+    places = [place_of(look.leader.proposal.location) for look in rounds]
     return is_unknown(winner) and place_of(winner.proposal.location) in places
 
 
 def is_estimated(rounds: Sequence[Round]) -> bool:
     """Beside a force that is only estimated nothing more can be named: what is left is mostly how coarse the estimate is."""
-    return bool(rounds) and is_unknown(rounds[-1].rivals[0])
+    return bool(rounds) and is_unknown(rounds[-1].leader)
 
 
 def _was_asked(look: Round, without: Search) -> bool:

@@ -23,7 +23,7 @@ def settled(inquiry: Inquiry, look: Round, winner: Rival, found: Sequence[Rival]
         found: what was found before.
     """
     look = _reidentified(inquiry, look, winner)
-    claims = [] if is_unknown(look.rivals[0]) else _simpler(inquiry, look, found)
+    claims = [] if is_unknown(look.leader) else _simpler(inquiry, look, found)
     return _challenged(inquiry, look, claims) if claims else look
 
 
@@ -55,7 +55,7 @@ def _challenged(inquiry: Inquiry, look: Round, claims: Sequence[Proposal]) -> Ro
 
     A load on a stiff tie is a mass that is wrong, and says so in more numbers; the mass may only have stayed in a valley.
     """
-    winner = look.rivals[0]
+    winner = look.leader
     workshop = inquiry.workshop.equipped([claim.model for claim in claims])
     misfits = [workshop.misfit(look.before, claim.model).with_values_of(winner.search.fitted()) for claim in claims]
     begun = list(zip(claims, begin_all(workshop.identifier, misfits), strict=True))

@@ -25,8 +25,8 @@ def beside_twins(workshop: Workshop, discovery: Discovery) -> Discovery:
     the ground acts on a body like friction in its joint to the obstacle, in whatever form. The likeliest of them is told.
     """
     rounds = tuple(_beside_twins(workshop, discovery, look) for look in discovery.rounds)
-    leading = [look.rivals[0] for look in rounds]
-    if [rival.identity for rival in leading] == [look.rivals[0].identity for look in discovery.rounds]:
+    leading = [look.leader for look in rounds]
+    if [rival.identity for rival in leading] == [look.leader.identity for look in discovery.rounds]:
         return evolve(discovery, rounds=rounds)
     search = rebuild(workshop, begin(workshop.identifier, discovery.base), leading, discovery.search)
     return discovery if search is None else evolve(discovery, rounds=rounds, search=search, final=search.fitted())
@@ -34,8 +34,8 @@ def beside_twins(workshop: Workshop, discovery: Discovery) -> Discovery:
 
 def _beside_twins(workshop: Workshop, discovery: Discovery, look: Round) -> Round:
     """The round with twins, which are weighed as the finding is now: what stands beside it may have got a better form."""
-    winner = evolve(look.rivals[0], search=discovery.search)
-    others = [one.rivals[0] for one in discovery.rounds if one is not look]
+    winner = evolve(look.leader, search=discovery.search)
+    others = [one.leader for one in discovery.rounds if one is not look]
     without = (
         None if is_unknown(winner) else rebuild(workshop, begin(workshop.identifier, discovery.base), others, winner.search)
     )

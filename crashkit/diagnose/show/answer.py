@@ -93,7 +93,7 @@ def _findings(
     units = units_of(discovery.final.model, discovery.final.groups, workshop)
     told: list[tuple[Finding, dict[str, xr.Dataset]]] = []
     for look in discovery.rounds:
-        rival = look.rivals[0]
+        rival = look.leader
         action = action_of(workshop, discovery.final, look.before, rival, unseen)
         kind = workshop.hypotheses[rival.proposal.physics]
         finding = make_finding(

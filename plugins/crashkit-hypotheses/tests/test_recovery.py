@@ -93,7 +93,7 @@ def found(model, workshop, recorded):
         look = Round(tuple(ranked), (1.0,), 0.0, base)
         inquiry = Inquiry(equipped, given, begin(workshop.identifier, base), silent)
         (look,), search = in_best_forms(inquiry, [look], ranked[0].search)
-        proposal, search = look.rivals[0].proposal, search.advance(40)
+        proposal, search = look.leader.proposal, search.advance(40)
         table = search.result().parameters.sel(parameter=list(proposal.parameters))
         values = {path.rsplit(".", 1)[-1]: float(v) for path, v in zip(proposal.parameters, table["value"], strict=True)}
         stds = {path.rsplit(".", 1)[-1]: float(v) for path, v in zip(proposal.parameters, table["std"], strict=True)}

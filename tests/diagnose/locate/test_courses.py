@@ -109,7 +109,7 @@ def test_what_leaves_something_elsewhere_gives_way_to_an_estimate_there(workshop
     rivals = (Rival(claim, search, 100.0, 50.0), Rival(table, estimate, 90.0, 40.0))
     look = Round(rivals, (0.9, 0.1), 0.0, one)
     found = _where_it_acts(inquiry(search), Discovery(one, one, search, (look,)))
-    assert found.rounds[0].rivals[0].identity == first
+    assert found.rounds[0].leader.identity == first
     assert found.rounds[0].probabilities[0] == max(found.rounds[0].probabilities) > 0.5
     assert (found.pointer is not None) is (first[0] == "unknown")
     assert found.search is (estimate if first[0] == "unknown" else search)

@@ -36,7 +36,7 @@ def contradicted(workshop, inquiry, model, misfit, recorded):
 
 def test_the_rival_that_explains_all_runs_is_told(contradicted):
     found = contradicted("clearance", "viscous_damping")
-    assert [look.rivals[0].proposal.physics for look in found.rounds] == ["viscous_damping"]
+    assert [look.leader.proposal.physics for look in found.rounds] == ["viscous_damping"]
     assert found.search.normalised == pytest.approx(1.0, abs=0.05)
     assert set(found.search.misfit.recordings) == {"slow", "fast"}
 
@@ -79,13 +79,13 @@ def refound(workshop, inquiry, model, misfit, recorded):
 
 def test_two_findings_are_told_in_the_forms_that_all_runs_ask_for(refound):
     found = refound(("gain_error", "constant"), ("viscous_damping", "linear"))
-    gain, damping = (look.rivals[0].proposal for look in found.rounds)
+    gain, damping = (look.leader.proposal for look in found.rounds)
     assert gain.form == "constant"
     assert damping.form.startswith("power")
     assert found.search.misfit.values(found.search.point)["joint.first_viscous_damping.exponent"] == pytest.approx(
         1.6, abs=0.1
     )
-    assert all(set(look.before.recordings) == {"slow", "fast"} and look.rivals[0].drop > 100.0 for look in found.rounds)
+    assert all(set(look.before.recordings) == {"slow", "fast"} and look.leader.drop > 100.0 for look in found.rounds)
 
 
 def test_where_no_form_of_them_explains_all_runs_everything_must_be_asked(refound):

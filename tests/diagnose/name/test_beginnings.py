@@ -40,7 +40,7 @@ def begun(monkeypatch, inquiry):
         monkeypatch.setattr(beginnings, "look_again", look)
         monkeypatch.setattr(beginnings, "in_all_forms", lambda *_: [(one.proposal, one.search) for one in FORMS])
         found = beginnings.begun_otherwise(inquiry(None), FIRST, least)
-        return found and [(one.rivals[0].proposal.physics, one.rivals[0].proposal.form) for one in found]
+        return found and [(one.leader.proposal.physics, one.leader.proposal.form) for one in found]
 
     return ask
 

@@ -38,7 +38,7 @@ def look(workshop, base):
 
 def test_a_dashpot_takes_the_place_of_the_friction_that_imitated_it(inquiry, base, look):
     friction = look(base, "joint_friction", "sharp")
-    imitation = friction.rivals[0].search
+    imitation = friction.leader.search
     last = look(imitation, "viscous_damping", "linear")
     (kept,), search = exchanged(inquiry(base), [friction], imitation, last)
     assert [rival.proposal.physics for rival in kept.rivals] == ["viscous_damping", "joint_friction"]
@@ -49,5 +49,5 @@ def test_a_dashpot_takes_the_place_of_the_friction_that_imitated_it(inquiry, bas
 
 def test_what_explains_no_more_takes_no_place(inquiry, base, look):
     dashpot = look(base, "viscous_damping", "linear")
-    search = dashpot.rivals[0].search
+    search = dashpot.leader.search
     assert exchanged(inquiry(base), [dashpot], search, look(search, "joint_friction", "sharp")) is None

@@ -28,7 +28,7 @@ def leaving(normalised, physics="fracture", location=None):
 
 def found(normalised, physics=("fracture",), last=True):
     rounds = tuple(leaving(normalised, one) for one in physics)
-    return Discovery(None, None, rounds[-1].rivals[0].search, rounds, leaving(1.0) if last else None)
+    return Discovery(None, None, rounds[-1].leader.search, rounds, leaving(1.0) if last else None)
 
 
 @pytest.mark.parametrize(("given", "suffices"), [(9.0, True), (2.0, False)])
@@ -36,7 +36,7 @@ def test_one_cause_is_enough_if_a_second_could_explain_too_little_to_be_told(mon
     """At 1.03 times the noise, where the model left so much."""
     monkeypatch.setattr(explore, "explains", lambda search: False)
     monkeypatch.setattr(explore, "is_sound", lambda search: True)
-    assert _suffices(found(1.03), leaving(given).rivals[0].search) is suffices
+    assert _suffices(found(1.03), leaving(given).leader.search) is suffices
 
 
 @pytest.mark.parametrize(
@@ -51,7 +51,7 @@ def test_one_cause_is_enough_if_a_second_could_explain_too_little_to_be_told(mon
 )
 def test_two_causes_are_enough_if_they_leave_next_to_nothing_and_no_third_convinces(left, physics, last, suffices):
     """Where the model left nine times the noise."""
-    assert _suffices(found(left, physics, last), leaving(9.0).rivals[0].search) is suffices
+    assert _suffices(found(left, physics, last), leaving(9.0).leader.search) is suffices
 
 
 def test_what_everything_in_sight_only_confirms_is_told():
@@ -120,7 +120,7 @@ def asked(workshop, inquiry, model, misfit, recorded):
 )
 def test_an_instrument_that_is_wrong_and_what_the_structure_lacks_are_both_found(asked, how):
     told = asked(how)
-    claims = {look.rivals[0].identity for look in told.rounds}
+    claims = {look.leader.identity for look in told.rounds}
     assert claims == {("viscous_damping", "joint first"), ("gain_error", "sensor front_sensor")}
     assert told.search.normalised < 1.0
     values = told.search.misfit.values(told.search.point)

@@ -61,13 +61,13 @@ def finding(workshop, proposed):
 def test_a_better_form_takes_the_place_of_a_poor_one(inquiry, base, finding):
     without = base("rate_power", POWER)
     look = finding(without, "rate_dependence", "linear")
-    poor = look.rivals[0].search
+    poor = look.leader.search
     (better,), search = in_best_forms(inquiry(without), [look], poor)
     assert poor.normalised > 1.05
-    assert better.rivals[0].proposal.form == "power"
-    assert better.rivals[0].search is search
+    assert better.leader.proposal.form == "power"
+    assert better.leader.search is search
     assert search.normalised == pytest.approx(1.0, abs=0.03)
-    assert better.rivals[0].drop == pytest.approx(without.deviance - search.deviance)
+    assert better.leader.drop == pytest.approx(without.deviance - search.deviance)
     values = search.misfit.values(search.point)
     assert values["joint.first.rate_exponent"] == pytest.approx(POWER["rate_exponent"], abs=0.1)
 
@@ -76,7 +76,7 @@ def test_a_form_that_leaves_nothing_is_not_questioned(inquiry, base, finding):
     without = base("rate_power", POWER)
     look = finding(without, "rate_dependence", "power")
     unwatched = evolve(inquiry(without), progress=pytest.fail)
-    assert in_best_forms(unwatched, [look], look.rivals[0].search) == ([look], look.rivals[0].search)
+    assert in_best_forms(unwatched, [look], look.leader.search) == ([look], look.leader.search)
 
 
 def test_a_fine_form_waits_until_a_plain_one_leaves_something(workshop, base, proposed):
@@ -94,9 +94,9 @@ def test_a_fine_form_waits_until_a_plain_one_leaves_something(workshop, base, pr
 def test_what_made_up_for_a_poor_form_is_dropped(inquiry, base, finding):
     without = base("rate_eyring", BOTH_WAYS)
     first = finding(without, "rate_dependence", "logarithm")
-    second = finding(first.rivals[0].search, "fracture", "compression")
-    both = second.rivals[0].search
-    assert both.deviance < first.rivals[0].search.deviance - 20.0
+    second = finding(first.leader.search, "fracture", "compression")
+    both = second.leader.search
+    assert both.deviance < first.leader.search.deviance - 20.0
     (kept,), search = reconsidered(inquiry(without), [first, second], both)
-    assert kept.rivals[0].proposal.form == "both ways"
+    assert kept.leader.proposal.form == "both ways"
     assert search.normalised == pytest.approx(1.0, abs=0.03)

@@ -30,7 +30,7 @@ def named(monkeypatch, inquiry):
 
     def ask(look, later, alone=3000.0, formed=None, imitation=None):
         def better(rounds):
-            found = rival(rounds[0].rivals[0].proposal.physics, formed) if formed else rounds[0].rivals[0]
+            found = rival(rounds[0].leader.proposal.physics, formed) if formed else rounds[0].leader
             return [evolve(rounds[0], rivals=(found, *rounds[0].rivals[1:]))]
 
         looks = iter(later)
@@ -42,7 +42,7 @@ def named(monkeypatch, inquiry):
         monkeypatch.setattr(pairs, "in_best_forms", lambda inquiry, rounds, search: (better(rounds), search))
         monkeypatch.setattr(Inquiry, "fit_with", lambda inquiry, rivals, last: rival("alone", alone).search)
         first, then = pairs.named_before_unknown(inquiry(None), look)
-        return [one.rivals[0].proposal.physics for one in first], then.rivals[0].proposal.physics
+        return [one.leader.proposal.physics for one in first], then.leader.proposal.physics
 
     return ask
 

@@ -38,12 +38,12 @@ def test_a_finding_that_the_fit_needs_is_kept(workshop, offered):
 def test_a_finding_at_the_place_of_another_must_explain_a_share_of_it(workshop, offered, explained, is_told):
     """The error of that one's form looks like a force there, and a force at another place is something else."""
     look, base, final = offered(800.0)
-    here = evolve(look, rivals=(evolve(look.rivals[0], drop=explained),))
-    asked = _asked(look.rivals[0], [here], final.misfit)
+    here = evolve(look, rivals=(evolve(look.leader, drop=explained),))
+    asked = _asked(look.leader, [here], final.misfit)
     assert asked == pytest.approx(max(LEAST_DROP, 0.05 * explained))
     assert (base.deviance - final.deviance > asked) is is_told
-    moved = evolve(here.rivals[0], proposal=evolve(here.rivals[0].proposal, location={"joint": "elsewhere"}))
-    assert _asked(look.rivals[0], [evolve(here, rivals=(moved,))], final.misfit) == LEAST_DROP
+    moved = evolve(here.leader, proposal=evolve(here.leader.proposal, location={"joint": "elsewhere"}))
+    assert _asked(look.leader, [evolve(here, rivals=(moved,))], final.misfit) == LEAST_DROP
 
 
 def test_what_is_kept_is_seen_against_the_model_without_what_was_dropped(workshop, model, offered):
@@ -113,7 +113,7 @@ def test_a_finding_that_is_questioned_stays_unless_it_explains_too_little(monkey
     monkeypatch.setattr(questioned, "look_again", lambda *_: nothing)
     together = SimpleNamespace(deviance=1000.0, normalised=1.4)
     kept, _ = reconsidered(inquiry(None), [one("fracture"), one("bias")], together)
-    assert [look.rivals[0].proposal.physics for look in kept] == left
+    assert [look.leader.proposal.physics for look in kept] == left
 
 
 def test_the_same_is_not_asked_twice(workshop, model, misfit, recorded):
@@ -151,7 +151,7 @@ def test_what_a_finding_has_added_is_no_place_for_more(model):
 
 def test_physics_that_is_there_predicts_runs_that_were_left_out(offered):
     look, base, final = offered(800.0)
-    assert left_out_drop(base.fitted(), final) > 0.5 * look.rivals[0].drop > 100.0
+    assert left_out_drop(base.fitted(), final) > 0.5 * look.leader.drop > 100.0
 
 
 def test_one_run_leaves_nothing_to_predict(offered):
@@ -170,7 +170,7 @@ def test_a_claim_about_one_instrument_need_not_explain_as_much_as_the_error_of_a
 def test_a_claim_after_which_nothing_is_left_need_not_explain_as_much_either(offered, damping, least, convinces):
     """Where plainly something was left before."""
     look, _, _ = offered(damping)
-    assert (evolve(look, least=least * abs(look.rivals[0].drop)).winner is not None) == convinces
+    assert (evolve(look, least=least * abs(look.leader.drop)).winner is not None) == convinces
 
 
 def claimed(physics, joint, normalised, form=""):
@@ -194,14 +194,14 @@ def completed(monkeypatch, inquiry):
         found = Round((claimed("tension", "first", 3.0),), (1.0,), 0.0, None)
         table = claimed("unknown", "second", 1.5)
         look = Round((table, claim), (0.5, 0.5), nothing, None, least=1e6)
-        return questioned._completed(inquiry(None), [found], found.rivals[0].search, look)
+        return questioned._completed(inquiry(None), [found], found.leader.search, look)
 
     return ask
 
 
 def test_a_second_cause_that_leaves_nothing_in_its_best_form_is_told_though_it_convinced_in_none_yet(completed):
     rounds, search = completed(claimed("fracture", "second", 1.7), then=1.01)
-    assert [look.rivals[0].proposal.form for look in rounds] == ["", "formed"]
+    assert [look.leader.proposal.form for look in rounds] == ["", "formed"]
     assert [rival.proposal.physics for rival in rounds[1].rivals] == ["fracture", "unknown"]
     assert search.normalised == 1.01
 

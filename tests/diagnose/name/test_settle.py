@@ -14,10 +14,10 @@ from crashkit.testing import toys
 def test_a_winner_that_leaves_something_is_identified_again(workshop, inquiry, offered):
     """It had stopped where its dashpot was ten times too strong."""
     look, _, final = offered(800.0)
-    damping = look.rivals[0].proposal.parameters[0]
+    damping = look.leader.proposal.parameters[0]
     misled = final.misfit.with_values({**final.misfit.values(final.point), damping: 8000.0})
-    winner = evolve(look.rivals[0], search=begin(workshop.identifier, misled))
-    found = settled(inquiry(begin(workshop.identifier, look.before)), look, winner, []).rivals[0]
+    winner = evolve(look.leader, search=begin(workshop.identifier, misled))
+    found = settled(inquiry(begin(workshop.identifier, look.before)), look, winner, []).leader
     gained = winner.search.deviance - found.search.deviance
     assert found.search.deviance == pytest.approx(final.deviance, abs=1.0)
     assert (found.drop - winner.drop, found.evidence - winner.evidence) == pytest.approx((gained, 0.5 * gained))
@@ -25,7 +25,7 @@ def test_a_winner_that_leaves_something_is_identified_again(workshop, inquiry, o
 
 def test_a_winner_that_explains_everything_is_left_as_it_is(workshop, inquiry, offered):
     look, _, _ = offered(800.0)
-    assert settled(inquiry(begin(workshop.identifier, look.before)), look, look.rivals[0], []) is look
+    assert settled(inquiry(begin(workshop.identifier, look.before)), look, look.leader, []) is look
 
 
 @pytest.mark.parametrize("entered", [True, False])

@@ -53,7 +53,7 @@ def test_the_likeliest_of_them_is_told(beside, rubbing):
     (told,) = discovery.rounds
     assert [rival.proposal.physics for rival in told.rivals[:2]] == ["ground_friction", "joint_friction"]
     assert told.probabilities[0] == pytest.approx(5.0 * told.probabilities[1], rel=0.5)
-    assert set(told.rivals[0].proposal.parameters) <= set(discovery.final.names)
+    assert set(told.leader.proposal.parameters) <= set(discovery.final.names)
     assert discovery.search.deviance == pytest.approx(rubbing[2].deviance, rel=1e-3)
 
 
