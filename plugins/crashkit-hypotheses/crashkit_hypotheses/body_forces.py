@@ -13,6 +13,9 @@ from crashkit_hypotheses.build import Effect, grid, grounded, proposal
 from crashkit_hypotheses.parallel_forces import REFINED, TAIL, falling, smooth
 from crashkit_hypotheses.sizes import forces_recorded, largest_travel
 
+ACROSS = ("constant", "smooth")
+"""Forms of friction that are also tried across the direction of travel, in the plane."""
+
 
 class AddedMass(Hypothesis):
     """The mass of a body is other than stated."""
@@ -35,7 +38,8 @@ class AddedMass(Hypothesis):
 
 
 class GroundFriction(Hypothesis):
-    """A near-constant force brakes a body: F = f sign(v), or one that sets in smoothly, falls with speed or begins later."""
+    """A near-constant force brakes a body: F = f sign(v), or one that sets in smoothly, falls with speed or begins later;
+    along the direction of travel, and in the plane also across it."""
 
     physics: ClassVar[str] = "ground_friction"
     sentence: ClassVar[str] = "{place} is braked by friction on the ground"
@@ -63,4 +67,14 @@ class GroundFriction(Hypothesis):
             Effect(self.physics, form, "coulomb", friction, "friction_force", starts)
             for form, (friction, starts) in forms.items()
         ]
-        return [evolve(grounded(model, body, effect), refined=effect.form in REFINED) for effect in effects]
+        along = [evolve(grounded(model, body, effect), refined=effect.form in REFINED) for effect in effects]
+        sideways = [effect for effect in effects if effect.form in ACROSS] if len(model.axes) == 2 else []
+        return [*along, *(_across_too(model, body, effect) for effect in sideways)]
+
+
+def _across_too(model: Model, body: Body, effect: Effect) -> Proposal:
+    """Friction along and across the direction of travel, one number each."""
+    along = grounded(model, body, effect)
+    both = grounded(along.model, body, effect, across=True)
+    names, null = (*along.parameters, *both.parameters), {**along.null, **both.null}
+    return evolve(both, form=f"{effect.form}, across too", parameters=names, null=null)

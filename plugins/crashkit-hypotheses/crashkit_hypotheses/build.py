@@ -85,9 +85,14 @@ def multiplied(model: Model, joint: Joint, effect: Effect) -> Proposal:
     return proposal(augmented, {"joint": joint.name}, f"joint.{joint.name}.", effect)
 
 
-def grounded(model: Model, body: Body, effect: Effect) -> Proposal:
-    """A force on a body that nothing else feels: a joint to a fixed body of its own, compressed by driving on."""
-    ground = Body(fresh_name("ground", (b.name for b in model.bodies)), _ahead(body), (0.0,) * len(body.position), fixed=True)
+def grounded(model: Model, body: Body, effect: Effect, across: bool = False) -> Proposal:
+    """A force on a body that nothing else feels: a joint to a fixed body of its own, compressed by driving on; or, in the
+    plane, by moving to the left."""
+    where = _ahead(body)
+    if across:
+        forwards = np.subtract(where, body.position)
+        where = tuple(np.add(body.position, (-forwards[1], forwards[0])).tolist())
+    ground = Body(fresh_name("ground", (b.name for b in model.bodies)), where, (0.0,) * len(body.position), fixed=True)
     held = Joint(f"{body.name}_{effect.physics}", (ground.name, body.name), effect.law, dict(effect.parameters))
     return _joined(evolve(model, bodies=(*model.bodies, ground)), held, {"body": body.name}, effect)
 

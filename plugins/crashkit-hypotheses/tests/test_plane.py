@@ -12,6 +12,7 @@ from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.model.checks import check_model
 from crashkit.registry import load
 from crashkit.testing import HypothesisContract, hypothesis_contract, toys
+from crashkit_hypotheses.body_forces import GroundFriction
 from crashkit_hypotheses.carried_load import CarriedLoad
 from crashkit_hypotheses.obstacle_motion import ObstacleMotion
 from crashkit_hypotheses.sensor_faults import Misalignment
@@ -112,6 +113,17 @@ def test_an_obstacle_that_slides_is_pushed_ahead(car, engine, crash):
     run = Simulator(sliding.model.with_values(sliding.starts[0]), load().spring_laws, engine).run(TIMES)
     assert float(run["position"].sel(body="wall", axis="x")[-1]) > 0.02
     assert float(np.abs(run["position"].sel(body="wall", axis="y")).max()) < 0.01
+
+
+def test_the_ground_brakes_a_car_across_its_way_too(car, engine, crash):
+    forms = {proposal.form: proposal for proposal in GroundFriction().propose(car, [crash], [])}
+    moved = {}
+    for form in ("constant", "constant, across too"):
+        braked = forms[form].model.with_values(dict.fromkeys(forms[form].parameters, 2e4))
+        moved[form] = Simulator(braked, load().spring_laws, engine).run(TIMES)["position"].sel(body="car").isel(time=-1)
+    along, across = moved["constant"], moved["constant, across too"]
+    assert abs(float(across.sel(axis="y"))) < 0.5 * abs(float(along.sel(axis="y")))
+    assert float(across.sel(axis="x")) == pytest.approx(float(along.sel(axis="x")), abs=0.02)
 
 
 def test_on_a_line_a_tilted_sensor_also_reads_gravity():
