@@ -10,7 +10,7 @@ from attrs import frozen
 from crashkit.mechanics import Simulator
 from crashkit.mechanics.kernel.arrays import Floats, Record
 from crashkit.mechanics.repeated_run import RepeatedRun
-from crashkit.misfit.channel import Group
+from crashkit.misfit.channel import Channel, Group
 from crashkit.misfit.readout import Readout, readout_of
 from crashkit.model import Model
 
@@ -136,7 +136,7 @@ class Predictor:
         for entry in self.model.instruments:
             if entry.instrument != group.name:
                 continue
-            watched = [i for i, channel in enumerate(group.channels) if entry.sensor in ("", channel.sensor)]
+            watched = [i for i, channel in enumerate(group.channels) if entry.sensor in _places(channel)]
             for name in entry.parameters:
                 path = f"instrument.{entry.instrument}.{entry.sensor}.{name}"
                 if path in self.names:
@@ -191,3 +191,8 @@ def _instants(stamps: Sequence[np.ndarray], margin: float) -> np.ndarray:
     if margin:
         merged = np.concatenate([merged, merged[-1] + np.linspace(0.0, margin, 1 + round(margin / 1e-4))[1:]])
     return merged
+
+
+def _places(channel: Channel) -> tuple[str, ...]:
+    """As which a model may name it: the whole instrument, the sensor, or one axis of that."""
+    return "", channel.sensor, f"{channel.sensor}/{channel.axis}"

@@ -317,3 +317,16 @@ def test_an_instrument_across_the_line_of_the_model_is_named(misfit, model, reco
     run = changed(recorded(model), "film", lambda dataset: dataset.assign_coords(axis=["z"]))
     with pytest.raises(CrashkitError, match="run: film/axis: expected the model's x, found z"):
         misfit(model, run=run)
+
+
+def test_an_error_of_one_axis_is_that_of_a_sensor_which_has_no_other(misfit, model, recorded, with_errors):
+    """Nothing where it names an axis that the sensor does not have."""
+    run = recorded(model, interval=2e-4)
+    left = {}
+    for sensor in ("front_sensor", "front_sensor/x", "front_sensor/y"):
+        own = misfit(with_errors(model, "accelerometer", sensor, bias=3.0), run=run)
+        left[sensor] = own.residual_and_jacobian(own.start())
+    for whole, x, y in zip(*left.values(), strict=True):
+        assert np.array_equal(whole, x)
+        assert not np.array_equal(whole, y)
+    assert np.abs(left["front_sensor/y"][0]).max() < 1e-6

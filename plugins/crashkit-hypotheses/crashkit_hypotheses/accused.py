@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
-from attrs import frozen
+from attrs import evolve, frozen
 
 from crashkit.model import Model, Parameter
 from crashkit.model.edit import with_instrument_error
@@ -23,6 +23,7 @@ class Accused:
         null: of each error.
         largest: reading, over all recordings.
         body: that carries the sensor; empty for an instrument.
+        axis: the only one of its channels that is accused; empty: all.
     """
 
     instrument: str
@@ -31,11 +32,17 @@ class Accused:
     null: Mapping[str, float]
     largest: float
     body: str = ""
+    axis: str = ""
+
+    @property
+    def channels(self) -> str:
+        """As a model names what has the errors."""
+        return f"{self.sensor}/{self.axis}" if self.axis else self.sensor
 
     @property
     def prefix(self) -> str:
         """Of the paths of its errors."""
-        return f"instrument.{self.instrument}.{self.sensor}."
+        return f"instrument.{self.instrument}.{self.channels}."
 
     @property
     def place(self) -> dict[str, object]:
@@ -54,6 +61,15 @@ def accused(model: Model, recordings: Sequence[xr.DataTree], errors: Sequence[st
     return list(largest.values())
 
 
+def each_channel(
+    physics: str, form: str, model: Model, one: Accused, parameters: Mapping[str, Parameter], amplitude: str
+) -> list[Proposal]:
+    """These errors of all channels of a sensor, and where it has several, of each alone."""
+    alone = [evolve(one, axis=axis) for axis in one.axes] if len(one.axes) > 1 else []
+    whole = fault(physics, form, model, one, parameters, amplitude)
+    return [whole, *(fault(physics, f"{form}, {its.axis} only", model, its, parameters, amplitude) for its in alone)]
+
+
 def fault(
     physics: str,
     form: str,
@@ -66,7 +82,7 @@ def fault(
 ) -> Proposal:
     """The model with these errors of a sensor; without the first of them the sensor is right."""
     for name, parameter in parameters.items():
-        model = with_instrument_error(model, one.instrument, one.sensor, name, parameter)
+        model = with_instrument_error(model, one.instrument, one.channels, name, parameter)
     absent = one.null[amplitude] if null is None else null
     return proposal(model, one.place, one.prefix, Effect(physics, form, "", parameters, amplitude, starts, absent))
 

@@ -7,7 +7,7 @@ import xarray as xr
 
 from crashkit.model import Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.accused import accused, fault
+from crashkit_hypotheses.accused import accused, each_channel, fault
 from crashkit_hypotheses.build import grid
 
 Fault: TypeAlias = tuple[dict[str, Parameter], str, Sequence[Mapping[str, float]]]
@@ -36,7 +36,11 @@ class GainError(Hypothesis):
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every sensor, from a fifth to five times the stated sensitivity."""
         gain = {"gain": Parameter(1.0, 0.2, 5.0)}
-        return [fault(self.physics, "constant", model, one, gain, "gain") for one in accused(model, recordings, ["gain"])]
+        return [
+            proposal
+            for one in accused(model, recordings, ["gain"])
+            for proposal in each_channel(self.physics, "constant", model, one, gain, "gain")
+        ]
 
 
 class Bias(Hypothesis):
@@ -49,16 +53,18 @@ class Bias(Hypothesis):
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every sensor; an offset that drifts, or comes with the shock, where the Observer knows of one."""
         duration = max(float(run["time"].values[-1]) for run in motion)
-        forms = {"constant": (_constant, ["bias"]), "drift": (_drift, ["bias_drift", "bias"]), "shift": (_shift, list(SHIFT))}
-        return [
+        constant = [
+            proposal
+            for one in accused(model, recordings, ["bias"])
+            for proposal in each_channel(self.physics, "constant", model, one, {"bias": _within(one.largest)}, "bias")
+        ]
+        forms = {"drift": (_drift, ["bias_drift", "bias"]), "shift": (_shift, list(SHIFT))}
+        changing = [
             fault(self.physics, form, model, one, *changed(one.largest, duration))
             for form, (changed, errors) in forms.items()
             for one in accused(model, recordings, errors)
         ]
-
-
-def _constant(largest: float, duration: float) -> Fault:
-    return {"bias": _within(largest)}, "bias", ({},)
+        return [*constant, *changing]
 
 
 def _drift(largest: float, duration: float) -> Fault:

@@ -272,3 +272,19 @@ def test_friction_slides_at_a_rate_that_was_reached(propose, runs):
     slip = smooth.model.parameters()["joint.first_joint_friction.slip_rate"]
     assert 0.5 < slip.upper == fastest < 3.0
     assert slip.lower < slip.value < slip.upper
+
+
+@pytest.mark.parametrize(("physics", "error"), [("gain_error", "gain"), ("bias", "bias")])
+def test_where_a_sensor_has_several_axes_one_of_them_alone_may_be_wrong(propose, runs, physics, error):
+    """Each is a transducer of its own."""
+    recording = toys.recording(runs[0])
+    line = recording["accelerometer"].to_dataset(inherit=False)
+    plane = xr.concat([line, line.assign_coords(axis=["y"])], dim="axis", data_vars="minimal")
+    proposals = propose(physics, recordings=[recording.assign(accelerometer=xr.DataTree(plane))])
+    own = {p.form: p.parameters for p in proposals if p.location.get("sensor") == "front_sensor" and "constant" in p.form}
+    path = "instrument.accelerometer.front_sensor"
+    assert own == {
+        "constant": (f"{path}.{error}",),
+        "constant, x only": (f"{path}/x.{error}",),
+        "constant, y only": (f"{path}/y.{error}",),
+    }
