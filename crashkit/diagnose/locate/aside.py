@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
-from attrs import frozen
+from attrs import evolve, frozen
 
 from crashkit.diagnose.locate.consistency import SIGNIFICANT
 from crashkit.misfit import Misfit
@@ -41,6 +41,13 @@ class Suspect:
         place = proposal.location
         of_readings = (proposal.model.bodies, proposal.model.joints) == (model.bodies, model.joints)
         return of_readings and (place.get("sensor") in self.sensors or place.get("body") == self.body)
+
+    def besides(self, finding: Proposal, model: Model) -> "Suspect | None":
+        """What is still accused when something was found: another sensor of the body may be wrong too."""
+        if not self.concerns(finding, model):
+            return self
+        others = tuple(sensor for sensor in self.sensors if sensor != finding.location.get("sensor"))
+        return evolve(self, sensors=others) if "sensor" in finding.location and others else None
 
 
 def suspects(misfit: Misfit, checks: xr.Dataset) -> tuple[Suspect, ...]:

@@ -59,7 +59,8 @@ def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | Non
             break
         if look.winner is None:
             return None
-        waiting = tuple(one for one in waiting if not one.concerns(look.winner.proposal, look.before.model))
+        still = [one.besides(look.winner.proposal, look.before.model) for one in waiting]
+        waiting = tuple(one for one in still if one is not None)
         rounds.append(in_time(look, settled, unbent, look, look.winner, found))
         search = rounds[-1].leader.search
     return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(rounds))

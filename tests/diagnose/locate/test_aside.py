@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from crashkit.diagnose.locate.aside import late_clocks, on_time, suspects, without
+from crashkit.diagnose.locate.aside import Suspect, late_clocks, on_time, suspects, without
 from crashkit.diagnose.locate.consistency import by_run, check_instruments
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_instrument_error, with_joint
@@ -112,3 +112,17 @@ def test_only_readings_of_its_body_concern_a_suspect(doubted, model):
     assert suspect.concerns(proposal(wrong, body="front"), model)
     assert not suspect.concerns(proposal(wrong, sensor="rear_sensor"), model)
     assert not suspect.concerns(proposal(with_joint(model, dashpot), body="front"), model)
+
+
+def test_beside_a_sensor_that_is_wrong_the_others_of_its_body_stay_accused(model):
+    pair = Suspect("front", "accelerometer", ("left", "right"))
+
+    def found(**place):
+        wrong = with_instrument_error(model, "accelerometer", "left", "bias", Parameter(0.0))
+        return Proposal("any", "", place, wrong, (), {})
+
+    alone = pair.besides(found(sensor="left"), model)
+    assert alone == Suspect("front", "accelerometer", ("right",))
+    assert alone.besides(found(sensor="right"), model) is None
+    assert pair.besides(found(body="front"), model) is None
+    assert pair.besides(found(sensor="elsewhere"), model) == pair
