@@ -61,8 +61,8 @@ def diagnose(
         looks = _leading(discovery)
         again, together = _explained(rehearsed, model, {**recordings, **holdout}, limit, looks)
         if not limit.is_over:
-            return nothing_predicted(answer(again, together, {}), tuple(holdout))
-    told = answer(equipped, discovery, holdout)
+            return nothing_predicted(answer(again, together, model, {}), tuple(holdout))
+    told = answer(equipped, discovery, model, holdout)
     return cut_short(told, seconds) if limit.is_over else told
 
 

@@ -24,10 +24,10 @@ from crashkit.diagnose.show.tables import (
     ranking_table,
     units_of,
 )
-from crashkit.diagnose.show.words import noted, summarise
+from crashkit.diagnose.show.words import far_off, noted, summarise
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
-from crashkit.model import Body
+from crashkit.model import Body, Model
 from crashkit.protocols import Identification
 
 BELIEVED, INCOMPLETE = 0.97, 0.5
@@ -37,11 +37,12 @@ runs speak against: of 166 findings of unseen cases with at least 0.99, 97 % wer
 WORTH_TELLING = 1e-4
 
 
-def answer(workshop: Workshop, discovery: Discovery, holdout: Mapping[str, xr.DataTree]) -> Diagnosis:
+def answer(workshop: Workshop, discovery: Discovery, given: Model, holdout: Mapping[str, xr.DataTree]) -> Diagnosis:
     """What a discovery says of the runs that were fitted, and of those held out.
 
     Arguments:
         workshop: with the steps that the recordings need.
+        given: the model as the user believes it.
         holdout: runs that are only predicted, by name.
     """
     base, final = discovery.base, discovery.final
@@ -68,7 +69,7 @@ def answer(workshop: Workshop, discovery: Discovery, holdout: Mapping[str, xr.Da
         ranking=ranking_table(discovery),
         consistency=consistency,
         identified=identified,
-        notes=noted(discovery, result, fits),
+        notes=(*noted(discovery, result, fits), *far_off(given, final.model)),
         detectable=detectable,
     )
 

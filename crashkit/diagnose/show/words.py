@@ -11,6 +11,7 @@ from crashkit.diagnose.fitting.evidence import FLOOR
 from crashkit.diagnose.name.rounds import Discovery
 from crashkit.diagnose.result import Diagnosis, Estimate, Finding, Fit, place_of
 from crashkit.diagnose.show.fits import is_beyond, is_worse
+from crashkit.model import Model, Parameter
 from crashkit.protocols import Identification
 
 VERDICTS = {
@@ -20,8 +21,9 @@ VERDICTS = {
     "unexplained": "Simulation and recordings differ, and none of the known physics explains it.",
 }
 
-
 MOST_LIMITS = 5
+FAR = 0.9
+"""Relative distance of a number from what was given that is worth a note: three times what it is believed to."""
 
 
 def summarise(
@@ -63,6 +65,25 @@ def noted(discovery: Discovery, result: Identification, fits: Mapping[str, Mappi
             f"their own size, and all channels together count as about {samples:.0f} independent samples"
         )
     return tuple(notes)
+
+
+def far_off(given: Model, final: Model) -> list[str]:
+    """The numbers of the given model that came out far from where they were given."""
+    found = final.free_parameters()
+    pairs = [(path, start, found[path].value) for path, start in given.free_parameters().items() if path in found]
+    return [
+        f"{path} came out at {value:.4g}, far from the {start.value:.4g} that was given: it may stand in for something that "
+        "the model lacks"
+        for path, start, value in pairs
+        if _distance(start, value) > FAR
+    ]
+
+
+def _distance(start: Parameter, value: float) -> float:
+    """From what was given, relative to that, or in its logarithm where that is searched; nothing is known of zeros."""
+    if start.value == 0.0:
+        return 0.0
+    return abs(math.log(value / start.value)) if start.lower > 0.0 else abs(value - start.value) / abs(start.value)
 
 
 def of_prediction(fits: Mapping[str, Fit]) -> list[str]:

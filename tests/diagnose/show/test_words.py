@@ -8,7 +8,7 @@ import xarray as xr
 
 from crashkit.diagnose.result import Estimate, Fit
 from crashkit.diagnose.show.fits import is_misleading
-from crashkit.diagnose.show.words import noted, number, of_prediction
+from crashkit.diagnose.show.words import far_off, noted, number, of_prediction
 from crashkit.protocols import Status
 
 
@@ -58,6 +58,14 @@ def test_what_held_out_runs_speak_against_is_not_believed(before, after, expecte
 
 def test_without_held_out_runs_nothing_is_said_of_prediction():
     assert of_prediction({}) == []
+
+
+def test_a_number_that_came_out_far_from_what_was_given_is_noted(model):
+    path, stiffness = next(iter(model.free_parameters().items()))
+    assert far_off(model, model) == []
+    assert far_off(model, model.with_values({path: 2.0 * stiffness.value})) == []
+    (note,) = far_off(model, model.with_values({path: 0.3 * stiffness.value}))
+    assert note.startswith(f"{path} came out at {0.3 * stiffness.value:.4g}, far from the {stiffness.value:.4g}")
 
 
 @pytest.mark.parametrize(
