@@ -20,6 +20,8 @@ FIRST = 0.02
 """Of the deformation reached: no plateau is taken to begin before."""
 BRISTLE = 0.05
 """Of the deformation reached: length of a bristle to start from."""
+SLIP_RATE, FASTEST_SLIP = 0.4, 3.0
+"""m/s: how fast smooth friction slides once it is established, to start from, and at most."""
 TAIL = {"tail": Parameter(1.0, -0.5, 2.5)}
 """Of smooth friction that is long in reaching its full force."""
 REFINED = ("smooth and falling", "smooth with a tail")
@@ -180,8 +182,8 @@ class ProgressiveFolding(Hypothesis):
 
 def smooth(fastest: float) -> dict[str, Parameter]:
     """Of friction: how fast it slides once it is established, m/s. Beyond the fastest there was it would be a damper."""
-    fastest = min(max(fastest, SLOWEST), 3.0)
-    return {"slip_rate": Parameter(min(0.4, 0.3 * fastest), min(0.01, 0.1 * fastest), fastest)}
+    fastest = min(max(fastest, SLOWEST), FASTEST_SLIP)
+    return {"slip_rate": Parameter(min(SLIP_RATE, 0.3 * fastest), 0.01, fastest)}
 
 
 def falling(fastest: float) -> dict[str, Parameter]:
