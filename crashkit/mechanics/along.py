@@ -86,8 +86,8 @@ def on_bodies(model: Model, still: np.ndarray, ends: Sequence[Vectors]) -> np.nd
     """
     names, net = [body.name for body in model.bodies], still.copy()
     for joint, (near, far) in zip(model.joints, ends, strict=True):
-        net[:, names.index(joint.bodies[0])] -= near
-        net[:, names.index(joint.bodies[1])] += far
+        net[:, names.index(joint.pushed[0])] -= near
+        net[:, names.index(joint.pushed[1])] += far
     return net
 
 

@@ -67,7 +67,8 @@ def track_of(model: Model, joint: Joint, law: JointLaw, motion: xr.Dataset) -> T
     length = float(distance[0]) if joint.free_length is None else joint.free_length.value
     # Against the flat face of the first body both forces act at the point of the second.
     first_arm = first.arm + apart if joint.normal is not None else first.arm
-    ends = (first.row, -_wrench(direction, first_arm)), (second.row, _wrench(direction, second.arm))
+    rows = [[body.name for body in model.bodies].index(name) for name in joint.pushed]
+    ends = (rows[0], -_wrench(direction, first_arm)), (rows[1], _wrench(direction, second.arm))
     return Track(
         law, motion.variables["time"].values.astype(float), distance, np.minimum.accumulate(distance), rate, length, ends
     )
@@ -87,9 +88,8 @@ def rotations(motion: xr.Dataset, body: str) -> Rotation:
 
 @frozen(eq=False)
 class _End:
-    """The attachment of a joint on a body: its row, its arm from the centre of mass, its place and speed, (time, axis)."""
+    """The attachment of a joint on a body: its arm from the centre of mass, its place and speed, (time, axis)."""
 
-    row: int
     arm: np.ndarray
     place: np.ndarray
     speed: np.ndarray
@@ -100,16 +100,15 @@ class _End:
     def of(cls, model: Model, joint: Joint, number: int, motion: xr.Dataset) -> "_End":
         name = joint.bodies[number]
         point = joint.points[number] if joint.points else (0.0,) * len(model.axes)
-        row = [body.name for body in model.bodies].index(name)
         place = motion.variables["body"].values.tolist().index(name)
         position, velocity = (_by_body(motion, quantity)[:, place] for quantity in ("position", "velocity"))
         own = in_space(model.axes, point)
         if len(model.axes) == 1:
             arm = np.broadcast_to(own, position.shape)
-            return cls(row, arm, position + arm, velocity, np.zeros_like(position), None)
+            return cls(arm, position + arm, velocity, np.zeros_like(position), None)
         frame = rotations(motion, name)
         arm, spin = frame.apply(own), _by_body(motion, "angular_velocity")[:, place]
-        return cls(row, arm, position + arm, velocity + np.cross(spin, arm), spin, frame)
+        return cls(arm, position + arm, velocity + np.cross(spin, arm), spin, frame)
 
 
 def _by_body(motion: xr.Dataset, quantity: str) -> np.ndarray:

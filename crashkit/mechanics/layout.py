@@ -1,6 +1,6 @@
 """From a model to the arrays of the kernel: where each parameter of the model sits in them."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -31,6 +31,7 @@ class Layout:
         axes: of the model.
         bodies, joints: names.
         ends: (joint, 2) index of each joint's bodies.
+        pushed: (joint, 2) index of the bodies on which each joint's force acts.
         functions: of each joint, its law and then its factors.
         places: where each parameter sits, by path.
         parameters: the parameter vector.
@@ -49,6 +50,7 @@ class Layout:
     bodies: tuple[str, ...]
     joints: tuple[str, ...]
     ends: Integers
+    pushed: Integers
     functions: tuple[tuple[LawFunction, ...], ...]
     places: Mapping[str, Place]
     parameters: Floats
@@ -81,7 +83,6 @@ class Layout:
 
 def lay_out(model: Model, laws: Laws) -> Layout:
     """The layout of a model; raises CrashkitError for what cannot be simulated."""
-    index = {body.name: i for i, body in enumerate(model.bodies)}
     count, dof = len(model.axes), DOF[len(model.axes)]
     functions = tuple(tuple(functions_of_joint(joint, laws)) for joint in model.joints)
     parameters: list[float] = []
@@ -97,9 +98,10 @@ def lay_out(model: Model, laws: Laws) -> Layout:
     none = ((0.0,) * count,) * 2
     return Layout(
         axes=model.axes,
-        bodies=tuple(index),
+        bodies=tuple(body.name for body in model.bodies),
         joints=tuple(joint.name for joint in model.joints),
-        ends=np.array([[_index(joint, end, index) for end in joint.bodies] for joint in model.joints], int).reshape(-1, 2),
+        ends=_indices(model, [joint.bodies for joint in model.joints]),
+        pushed=_indices(model, [joint.pushed for joint in model.joints]),
         functions=functions,
         places={path: ("parameters", (entries,)) for path, entries in slots.items()} | dict(_places(model)),
         parameters=np.array(parameters, float),
@@ -167,10 +169,13 @@ def _vector(joint: Joint, spec: ParameterSpec) -> tuple[Parameter, ...]:
     raise CrashkitError(f"joint {joint.name}: expected a list for {spec.name}, found {'nothing' if not value else 'a number'}")
 
 
-def _index(joint: Joint, end: str, index: Mapping[str, int]) -> int:
-    if end not in index:
-        raise CrashkitError(f"joint {joint.name}: expected one of the bodies {', '.join(index)}, found {end}")
-    return index[end]
+def _indices(model: Model, pairs: Sequence[tuple[str, str]]) -> Integers:
+    """Of two bodies for each joint, (joint, 2)."""
+    index = {body.name: i for i, body in enumerate(model.bodies)}
+    for joint, pair in zip(model.joints, pairs, strict=True):
+        for end in (name for name in pair if name not in index):
+            raise CrashkitError(f"joint {joint.name}: expected one of the bodies {', '.join(index)}, found {end}")
+    return np.array([[index[end] for end in pair] for pair in pairs], int).reshape(-1, 2)
 
 
 def _mass(body: Body) -> float:

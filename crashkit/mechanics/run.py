@@ -132,6 +132,7 @@ def joints_of(layout: Layout) -> Records:
     axes = len(layout.axes)
     bounds = np.cumsum([0, *map(len, layout.functions)])
     joints["first"], joints["second"] = layout.ends.T
+    joints["pushed_first"], joints["pushed_second"] = layout.pushed.T
     for end in range(2):
         joints["places"][..., 3 * end : 3 * end + axes] = layout.points[..., end, :]
     joints["places"][..., 6 : 6 + axes] = layout.normals

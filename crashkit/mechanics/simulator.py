@@ -45,7 +45,7 @@ class Simulator:
         if self.engine.axes != len(model.axes):
             found = f"one for {self.engine.axes}"
             raise CrashkitError(f"model {model.name}: expected an engine for {len(model.axes)} axes, found {found}")
-        ends = np.array([joint.bodies for joint in model.joints], dtype=str).reshape(-1, 2)
+        ends = np.array([joint.pushed for joint in model.joints], dtype=str).reshape(-1, 2)
         self.names = xr.Coordinates(
             {
                 "body": list(self.layout.bodies),

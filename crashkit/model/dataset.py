@@ -47,7 +47,7 @@ def model_to_dataset(model: Model) -> xr.Dataset:
         "owner_index": np.array([owner for _, owner, *_ in rows], dtype=np.int64),
         "parameter_name": _text([name for _, _, name, *_ in rows]),
         "parameter_index": np.array([index for *_, index, _ in rows], dtype=np.int64),
-        **_plane_and_space(model),
+        **_in_some(model),
         **motions_to_columns(model),
         **forces_to_columns(model),
     }
@@ -111,8 +111,8 @@ def _entries(
         yield from ((kind, owner, name, index, entry) for index, entry in enumerate(value))
 
 
-def _plane_and_space(model: Model) -> dict[str, np.ndarray]:
-    """What one axis knows nothing of, gravity and supports: only what some part of the model has."""
+def _in_some(model: Model) -> dict[str, np.ndarray]:
+    """What most models have nothing of, such as gravity and supports: only what some part of the model has."""
     axes, bodies, joints = len(model.axes), model.bodies, model.joints
     columns = {
         "body_orientation": _optional([body.orientation for body in bodies], ORIENTATION[axes]),
@@ -122,7 +122,9 @@ def _plane_and_space(model: Model) -> dict[str, np.ndarray]:
     gravity = {"gravity": np.array(model.gravity)} if model.gravity else {}
     supports = [joint.support for joint in joints]
     support = {"joint_support": np.array(supports, dtype=np.int8)} if any(supports) else {}
-    return gravity | support | {name: column for name, column in columns.items() if not np.isnan(column).all()}
+    linked = [joint.acts_on or ("", "") for joint in joints]
+    linkage = {"joint_acts_on": _text(linked)} if any(joint.acts_on for joint in joints) else {}
+    return gravity | support | linkage | {name: column for name, column in columns.items() if not np.isnan(column).all()}
 
 
 def _optional(rows: list[tuple[float, ...]], size: int) -> np.ndarray:
@@ -188,7 +190,14 @@ def _joint(columns: dict[str, list[Any]], index: int) -> Joint:
         points=None if np.isnan(points).all() else (tuple(points[0]), tuple(points[1])),
         normal=_row(columns, "joint_normal", index) or None,
         support=bool(columns["joint_support"][index]) if "joint_support" in columns else False,
+        acts_on=_linked(columns, index),
     )
+
+
+def _linked(columns: dict[str, list[Any]], index: int) -> tuple[str, str] | None:
+    """The bodies on which a joint's force acts, where that are others than its own."""
+    first, second = columns["joint_acts_on"][index] if "joint_acts_on" in columns else ("", "")
+    return (first, second) if first else None
 
 
 def _row(columns: dict[str, list[Any]], name: str, index: int) -> tuple[float, ...]:

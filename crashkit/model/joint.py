@@ -24,6 +24,8 @@ class Joint:
         normal: unit vector in the first body's frame: the joint is the contact of a point of the second body with a flat
             face of the first, its distance is measured along this normal, and its force acts along it at the point; None:
             the joint is the line between its two points. In one axis the two are the same.
+        acts_on: names of the two bodies on which its force acts where that are not the two whose approach deforms it: a
+            linkage carries it there. The first is pushed as the joint would push its own first body. In one axis only.
         support: whether it holds one of the bodies to what stands behind it: a load cell on that body does not feel it. In
             one axis only.
     """
@@ -37,3 +39,9 @@ class Joint:
     free_length: Parameter | None = None
     normal: tuple[float, ...] | None = None
     support: bool = False
+    acts_on: tuple[str, str] | None = None
+
+    @property
+    def pushed(self) -> tuple[str, str]:
+        """The two bodies on which its force acts."""
+        return self.acts_on or self.bodies

@@ -24,11 +24,8 @@ APART = 1e-9
 def joint_faults(joint: Joint, model: Model, laws: Laws, where: str) -> Iterator[Fault]:
     """Every fault of a joint of the model; `where` names it."""
     known = [body.name for body in model.bodies if body.name]
-    for name in joint.bodies:
-        if name not in known:
-            yield Fault(f"{where}/bodies", f"one of {names(known)}", shown(name))
-    if joint.bodies[0] == joint.bodies[1]:
-        yield Fault(f"{where}/bodies", "two different bodies", f"{shown(joint.bodies[0])} twice")
+    yield from _pair_faults(joint.bodies, known, f"{where}/bodies")
+    yield from _pair_faults(joint.pushed, known, f"{where}/acts_on") if joint.acts_on else ()
     yield from _geometry_faults(joint, model, where)
     if joint.free_length is not None:
         yield from parameter_faults(joint.free_length, None, f"{where}/free_length")
@@ -64,12 +61,22 @@ def _is_placed(body: Body, point: Sequence[float], axes: int) -> bool:
     return lengths == (axes, axes, ORIENTATION.get(axes)) and all(map(math.isfinite, numbers))
 
 
+def _pair_faults(pair: tuple[str, str], known: Sequence[str], where: str) -> Iterator[Fault]:
+    for name in pair:
+        if name not in known:
+            yield Fault(where, f"one of {names(known)}", shown(name))
+    if pair[0] == pair[1]:
+        yield Fault(where, "two different bodies", f"{shown(pair[0])} twice")
+
+
 def _geometry_faults(joint: Joint, model: Model, where: str) -> Iterator[Fault]:
     axes = len(model.axes)
     for point in joint.points or ():
         yield from vector_faults(point, axes, f"{where}/points")
     if joint.support and axes > 1:
         yield Fault(f"{where}/support", "none but in one axis", "true")
+    if joint.acts_on and axes > 1:
+        yield Fault(f"{where}/acts_on", "none but in one axis", names(joint.acts_on))
     if joint.normal is not None and axes == 1:
         yield Fault(f"{where}/normal", "none in one axis", names(joint.normal))
     elif joint.normal is not None:

@@ -81,6 +81,7 @@ JOINT = {
     "normal": _NUMBERS,
     "free_length": _ANY,
     "support": _FLAG,
+    "acts_on": _NAMES,
     "law": _TEXT,
     "factors": _TEXTS,
     "parameters": _TABLE,

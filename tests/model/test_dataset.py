@@ -61,7 +61,7 @@ def plane() -> Model:
         ),
         (
             Joint("face", ("barrier", "box"), "linear", {}, normal=(-1.0, 0.0)),
-            Joint("line", ("box", "load"), "linear", {}, support=True),
+            Joint("line", ("box", "load"), "linear", {}, support=True, acts_on=("barrier", "box")),
         ),
         gravity=(0.0, -9.81),
     )

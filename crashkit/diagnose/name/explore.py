@@ -11,6 +11,7 @@ from crashkit.diagnose.locate.courses import courses, outstanding
 from crashkit.diagnose.name.beginnings import begun_otherwise
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
+from crashkit.diagnose.name.linked import linked_instead
 from crashkit.diagnose.name.look import FORM_ERRORS, Round, between, is_of_readings, look_again
 from crashkit.diagnose.name.needed import price
 from crashkit.diagnose.name.pairs import both, named_before_unknown
@@ -49,7 +50,8 @@ def discovered(inquiry: Inquiry) -> Discovery:
     if found is not None and _suffices(found, base):
         return found
     wide = in_time(_won(base, near), _widely, inquiry, near, found)
-    return _where_it_acts(inquiry, wide if found is None else _cheaper(found, wide))
+    told = wide if found is None else _cheaper(found, wide)
+    return _where_it_acts(inquiry, in_time(told, linked_instead, inquiry, told))
 
 
 def _is_wrong_beside_more(near: Round) -> bool:

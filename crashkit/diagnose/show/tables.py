@@ -159,7 +159,7 @@ def _net_on(model: Model, workshop: Workshop, motion: xr.Dataset, bodies: tuple[
     forces = forces_along(model, workshop.laws, motion)
     if place == f"body {bodies[1]}":
         return -forces["contact_force"].sel(body=bodies[1]).isel(axis=0).values * _direction(model, bodies)
-    joints = [joint.name for joint in model.joints if set(joint.bodies) == set(bodies)]
+    joints = [joint.name for joint in model.joints if set(joint.pushed) == set(bodies)]
     return forces["force"].sel(joint=joints).sum("joint").values
 
 

@@ -80,7 +80,7 @@ def joint_adjoint(
         seeds: of the joint's own force, deformation and rate.
         own: of its largest deformation, its rest and its attachments.
     """
-    a, b = DOF * joint.first, DOF * joint.second
+    a, b = DOF * joint.pushed_first, DOF * joint.pushed_second
     wanted = seeds[0]
     for i in range(DOF):
         wanted -= load[a + i] * joint.gradient[i] + load[b + i] * joint.gradient[DOF + i]

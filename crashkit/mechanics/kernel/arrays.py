@@ -43,6 +43,8 @@ JOINT = np.dtype(
     [
         ("first", np.int64),  # its two bodies
         ("second", np.int64),
+        ("pushed_first", np.int64),  # the bodies on which its force acts: the same two but for a linkage
+        ("pushed_second", np.int64),
         ("face", np.int64),  # 1 where it pushes along the normal of a face of its first body, not along its own line
         (
             "places",

@@ -64,8 +64,8 @@ def push(bodies, joint, force):
     """Put the force of a joint on its bodies."""
     joint.force = force
     for i in range(DOF):
-        bodies[joint.first].net[JOINTS, i] -= force * joint.gradient[i]
-        bodies[joint.second].net[JOINTS, i] -= force * joint.gradient[DOF + i]
+        bodies[joint.pushed_first].net[JOINTS, i] -= force * joint.gradient[i]
+        bodies[joint.pushed_second].net[JOINTS, i] -= force * joint.gradient[DOF + i]
 
 
 @inlined

@@ -73,18 +73,19 @@ def push_tangent(bodies, joint, state, tangent, own, net_tangent, row, force, to
     """
     n = DOF * bodies.size
     a, b = DOF * joint.first, DOF * joint.second
+    near, far = DOF * joint.pushed_first, DOF * joint.pushed_second
     push_columns(
         joint, state[row, n + a : n + a + DOF], state[row, n + b : n + b + DOF], tangent[row, a : a + DOF],
         tangent[row, b : b + DOF], tangent[row, n + a : n + a + DOF], tangent[row, n + b : n + b + DOF], own[REST], own[D_MAX],
-        own[DEFORMATION], own[RATE], own[FORCE], net_tangent[a : a + DOF], net_tangent[b : b + DOF], force, to_d, to_rate,
-        to_d_max,
+        own[DEFORMATION], own[RATE], own[FORCE], net_tangent[near : near + DOF], net_tangent[far : far + DOF], force,
+        to_d, to_rate, to_d_max,
     )  # fmt: skip
 
 
 @inlined
 def add_force(joint, own, net_tangent, column, change):
     """Add a derivative of a joint's force to one column."""
-    a, b = DOF * joint.first, DOF * joint.second
+    a, b = DOF * joint.pushed_first, DOF * joint.pushed_second
     own[FORCE, column] += change
     for i in range(DOF):
         net_tangent[a + i, column] -= joint.gradient[i] * change

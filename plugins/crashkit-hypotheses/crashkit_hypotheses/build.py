@@ -55,6 +55,16 @@ def at_a_distance(model: Model, joint: Joint, effect: Effect, apart: float) -> l
     return [parallel(model, longer, effect)]
 
 
+def linked(model: Model, joint: Joint, driver: Joint, effect: Effect) -> Proposal:
+    """A second joint that is deformed as another one is and pushes where `joint` does; on a line."""
+    pair = joint.bodies if _side(model, joint) == _side(model, driver) else joint.bodies[::-1]
+    own, free_length = dict(effect.parameters), _own_length(driver)
+    link = evolve(
+        driver, law=effect.law, parameters=own, factors=(), free_length=free_length, acts_on=pair, support=joint.support
+    )
+    return _joined(model, evolve(link, name=f"{joint.name}_{effect.physics}"), {"joint": joint.name}, effect)
+
+
 def added(model: Model, joint: Joint, effect: Effect) -> Proposal:
     """A force in the loading curve of `joint`, so that it unloads with it; beside it where its law takes none."""
     law = f"{joint.law} + {effect.law}"
@@ -160,6 +170,13 @@ def _apart(model: Model, joint: Joint) -> float:
     points = joint.points or ((0.0,) * len(model.axes),) * 2
     first, second = (np.add(model.body(name).position, point) for name, point in zip(joint.bodies, points, strict=True))
     return float(np.linalg.norm(second - first))
+
+
+def _side(model: Model, joint: Joint) -> float:
+    """On which side of its first end a joint's second one lies, on a line."""
+    points = joint.points or ((0.0,), (0.0,))
+    first, second = (model.body(name).position[0] + point[0] for name, point in zip(joint.bodies, points, strict=True))
+    return 1.0 if second >= first else -1.0
 
 
 def _own_length(joint: Joint) -> Parameter | None:

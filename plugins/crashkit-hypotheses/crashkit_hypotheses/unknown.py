@@ -9,7 +9,7 @@ from attrs import evolve
 
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import Effect, at_a_distance, between, grounded, multiplied, parallel
+from crashkit_hypotheses.build import Effect, at_a_distance, between, grounded, linked, multiplied, parallel
 from crashkit_hypotheses.sizes import (
     approaching,
     forces_recorded,
@@ -23,6 +23,8 @@ from crashkit_hypotheses.sizes import (
 Table = Mapping[str, Parameter | tuple[Parameter, ...]]
 
 KNOTS = 24
+LINKED = "deformation of"
+"""Of another joint, whose name follows: form of a table."""
 LEAST = 1e-3
 """m, of a travel that bumps cover."""
 MOST = 2.0
@@ -35,15 +37,16 @@ APART = 0.2
 RARE = 0.01
 """Odds that they do, against a force that only acts while they touch."""
 LARGE = 0.06
-"""The same of a force of the time that several runs have in common: no law of the model could explain it."""
+"""The same of a force of the time that several runs have in common, or of what another joint does: no law of the model could
+explain it."""
 
 
 class Unknown(Hypothesis):
     """A smooth table f over the range that the recordings cover.
 
     In a joint F = F_law + f(d), unloading in its own way or along f itself, there also where its ends are apart,
-    F_law + f(ddot), F_law (1 + f(ddot)) or F_law + f(t); on a body f(t), f(v) or f(travel); between two bodies that no
-    joint joins f(approach).
+    F_law + f(ddot), F_law (1 + f(ddot)), F_law + f(t) or, on a line, F_law + f(d of another joint); on a body f(t), f(v) or
+    f(travel); between two bodies that no joint joins f(approach).
     """
 
     physics: ClassVar[str] = "unknown"
@@ -56,7 +59,8 @@ class Unknown(Hypothesis):
         pushed = [body for body in model.bodies if _differs(model, body, recordings)]
         in_joints = [form for joint in used for form in self._in_joint(model, joint, motion)]
         between_bodies = [self._between(model, pair, reach, motion) for pair, reach in approaching(model, motion).items()]
-        return in_joints + between_bodies + [form for body in pushed for form in self._on_body(model, body, motion)]
+        linked = [form for joint in used for form in self._linked(model, joint, used, motion)]
+        return in_joints + linked + between_bodies + [form for body in pushed for form in self._on_body(model, body, motion)]
 
     def _in_joint(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
         largest = max(largest_force(motion, joint.name), 1.0)
@@ -77,6 +81,16 @@ class Unknown(Hypothesis):
             multiplied(model, joint, Effect(self.physics, "rate, as a factor", "rate_curve", share, "rate_heights")),
             parallel(model, joint, Effect(self.physics, "time", "time_table", of_time, "heights")),
         ]
+
+    def _linked(self, model: Model, joint: Joint, used: Sequence[Joint], motion: Sequence[xr.Dataset]) -> list[Proposal]:
+        """What other joints may do to this one, on a line; asked where all else leaves something."""
+        largest = max(largest_force(motion, joint.name), 1.0)
+        forms = []
+        for other in (one for one in used if set(one.bodies) != set(joint.bodies) and len(model.axes) == 1):
+            own = _of_deformation(largest, largest_deformation(motion, other.name), LARGE)
+            effect = Effect(self.physics, f"{LINKED} {other.name}", "smooth_table", own, "heights")
+            forms.append(evolve(linked(model, joint, other, effect), refined=True))
+        return forms
 
     def _between(self, model: Model, pair: tuple[str, str], reach: float, motion: Sequence[xr.Dataset]) -> Proposal:
         own = _of_deformation(_largest_at(model, pair, motion), reach)
@@ -112,9 +126,9 @@ def _largest_at(model: Model, bodies: Sequence[str], motion: Sequence[xr.Dataset
     return max(largest_force(motion, joint.name) for joint in model.joints if not set(bodies).isdisjoint(joint.bodies))
 
 
-def _of_deformation(largest: float, reach: float) -> Table:
+def _of_deformation(largest: float, reach: float, usual: float = USUAL) -> Table:
     return {
-        "heights": _heights(largest),
+        "heights": _heights(largest, usual),
         "reach": Parameter(reach, fixed=True),
         "unloading_length": Parameter(0.03 * reach, 1e-3 * reach, 2.0 * reach),
     }

@@ -79,6 +79,23 @@ def test_every_place_is_proposed(propose, physics):
     assert places(propose(physics)) == PLACES[physics]
 
 
+def test_what_one_joint_does_in_another_is_deformed_like_the_one_and_pushes_like_the_other(propose):
+    """Apart, whichever of the other's bodies is named first."""
+    toy = toys.two_degrees()
+    turned = evolve(toy, joints=(toy.joint("first"), evolve(toy.joint("second"), bodies=("rear", "front"))))
+    for model in (toy, turned):
+        links = {p.form: p.model.joints[-1] for p in propose("unknown", model) if p.refined}
+        assert set(links) == {"deformation of first", "deformation of second"}
+        assert links["deformation of first"].bodies == ("wall", "front")
+        assert links["deformation of first"].acts_on == ("front", "rear")
+
+
+def test_joints_of_the_same_two_bodies_do_nothing_in_each_other(propose, runs):
+    toy = toys.two_degrees()
+    beside = evolve(toy, joints=(toy.joint("second"), evolve(toy.joint("second"), name="first")))
+    assert not [p for p in propose("unknown", beside, runs) if p.refined]
+
+
 def test_a_mass_without_any_force_is_only_a_scale(propose):
     """One moving body, no load cell: twice the mass and twice the forces move alike."""
     alone = toys.one_degree()

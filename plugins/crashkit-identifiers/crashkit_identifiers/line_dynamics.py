@@ -8,17 +8,18 @@ from crashkit.mechanics.joint_law import JointLaw
 from crashkit.misfit import Misfit
 from crashkit_identifiers.recorded import engine_of, laws_of
 
+Rows = tuple[int | None, int | None]
 INSTANT = np.zeros(1)
 """Any: only memories tell one from another."""
 
 
 @define
 class _Spring:
-    """A joint: the rows of its bodies among those that move (None: fixed), and its geometry."""
+    """A joint: the rows among those that move (None: fixed) of its bodies and of those that it pushes, and its geometry."""
 
     law: JointLaw
-    first: int | None
-    second: int | None
+    bodies: Rows
+    pushed: Rows
     side: float
     rest: float
     columns: list[int]
@@ -52,12 +53,15 @@ class LineDynamics:
             apart = start[joint.bodies[1]] + points[1][0] - start[joint.bodies[0]] - points[0][0]
             side = 1.0 if apart >= 0.0 else -1.0
             length = abs(apart) if joint.free_length is None else joint.free_length.value
-            rows = [self._moving.index(name) if name in self._moving else None for name in joint.bodies]
             # A deformation is this less the distance of the two centres of mass, along the side.
             rest = length - side * (points[1][0] - points[0][0])
             rest -= side * (self._still.get(joint.bodies[1], 0.0) - self._still.get(joint.bodies[0], 0.0))
             columns = [misfit.names.index(path) if path in misfit.names else -1 for path in law.paths]
-            self._springs.append(_Spring(law, rows[0], rows[1], side, rest, columns))
+            self._springs.append(_Spring(law, self._rows(joint.bodies), self._rows(joint.pushed), side, rest, columns))
+
+    def _rows(self, pair: tuple[str, str]) -> Rows:
+        first, second = (self._moving.index(name) if name in self._moving else None for name in pair)
+        return first, second
 
     def measured(self, motion: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
         """The measured states (time, 2 count), and the standard deviation of each entry."""
@@ -100,12 +104,12 @@ class LineDynamics:
             modes = spring.law.modes(INSTANT, own, numbers)
             (push,), (slopes,) = spring.law.evaluate(INSTANT, own, modes, numbers)
             by_d = slopes[0] + (slopes[2] if d >= largest else 0.0)
-            ends = [(spring.first, -spring.side), (spring.second, spring.side)]
-            for row, sign in ends:
+            signs = (-spring.side, spring.side)
+            for row, sign in zip(spring.pushed, signs, strict=True):
                 if row is None:
                     continue
                 force[row] += sign * push
-                for other, against in ends:
+                for other, against in zip(spring.bodies, signs, strict=True):
                     if other is not None:
                         by_state[row, other] -= sign * against * by_d
                         by_state[row, self.count + other] -= sign * against * slopes[1]
@@ -121,7 +125,7 @@ class LineDynamics:
     def _deformation(self, spring: _Spring, state: np.ndarray) -> tuple[float, float]:
         """m and m s-1."""
         d, rate = spring.rest, 0.0
-        for row, sign in ((spring.first, spring.side), (spring.second, -spring.side)):
+        for row, sign in zip(spring.bodies, (spring.side, -spring.side), strict=True):
             if row is not None:
                 d += sign * state[row]
                 rate += sign * state[self.count + row]

@@ -66,8 +66,8 @@ class Substructure:
 
 def _cut(model: Model, name: str, motion: xr.Dataset) -> Model:
     """The body, its joints, and its neighbours on rails."""
-    joints = tuple(joint for joint in model.joints if name in joint.bodies)
-    near = {end for joint in joints for end in joint.bodies}
+    joints = tuple(joint for joint in model.joints if name in joint.pushed)
+    near = {end for joint in joints for end in (*joint.bodies, *joint.pushed)}
     bodies = [body for body in model.bodies if body.name in near]
     cut = tuple(body if body.name == name or body.fixed else on_rails(model, body, known(motion)) for body in bodies)
     return evolve(model, bodies=cut, joints=joints, instruments=())

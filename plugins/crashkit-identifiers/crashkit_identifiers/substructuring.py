@@ -101,7 +101,7 @@ class Substructuring(Identifier[SubstructuringState]):
 
 def _moving(misfit: Misfit) -> list[str]:
     """The bodies that forces move, and that a joint holds."""
-    held = {body for joint in misfit.model.joints for body in joint.bodies}
+    held = {body for joint in misfit.model.joints for body in joint.pushed}
     return [body.name for body in misfit.model.bodies if body.name in held and body.is_free]
 
 

@@ -1,0 +1,68 @@
+"""What one joint's deformation does in another joint: asked for where something is left, and told where it leaves far less."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from attrs import evolve
+
+from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.name.linked import linked_instead
+from crashkit.diagnose.name.look import Round, look_again
+from crashkit.diagnose.name.rounds import Discovery
+from crashkit.diagnose.result import place_of
+from crashkit.model import Joint, Parameter
+from crashkit.model.edit import with_joint
+from crashkit.testing import toys
+
+
+@pytest.fixture(scope="module")
+def asked(workshop, misfit, recorded, simulated, inquiry):
+    """Two masses; the first joint's deformation also drives the two apart by a wedge that nobody believes in. The inquiry, and
+    the true motion of the fast run."""
+    believed = toys.two_degrees()
+    push = {"stiffness": Parameter(0.05 * believed.parameters()["joint.first.elastic_stiffness"].value, fixed=True)}
+    wedge = Joint("wedge", ("wall", "front"), "linear_stop", push | {"stop_deformation": Parameter(0.05, fixed=True)})
+    true = with_joint(believed, evolve(wedge, acts_on=("front", "rear")))
+    given = misfit(believed, slow=recorded(true, 0.9, 1), fast=recorded(true, 1.2, 2)).with_prior(0.3)
+    base = begin(workshop.identifier, given).advance(40)
+    few = {name: workshop.hypotheses[name] for name in ("viscous_damping", "unknown")}
+    return inquiry(base, given, few), simulated(true, 1.2)
+
+
+def of(inquiry, physics):
+    """The best claim of this kind, as a discovery."""
+    look = look_again(inquiry, inquiry.base.fitted(), [], concerns=lambda p, model: p.physics == physics, quick=True)
+    search = look.leader.search
+    return Discovery(inquiry.base.fitted(), search.fitted(), search, (look,))
+
+
+def test_it_is_told_with_its_place_and_what_drives_it_and_with_its_force(asked):
+    inquiry, fast = asked
+    wrong = of(inquiry, "viscous_damping")
+    told = linked_instead(inquiry, wrong)
+    (claim,) = [look.leader for look in told.rounds]
+    assert (place_of(claim.proposal.location), claim.proposal.form) == ("joint second", "deformation of first")
+    assert told.search.normalised < 1.1 < wrong.search.normalised
+    assert told.rounds[0].probabilities[0] == max(told.rounds[0].probabilities)
+    assert wrong.rounds[0].leader.proposal.physics in [rival.proposal.physics for rival in told.rounds[0].rivals]
+    assert told.final.model.joints[-1].acts_on == ("front", "rear")
+    felt, true = (motion["contact_force"].sel(body="rear").values for motion in (predicted(told), fast))
+    np.testing.assert_allclose(felt, true, atol=0.03 * np.abs(true).max())
+
+
+def predicted(told):
+    return told.final.predictor.motion("fast", told.search.misfit.values(told.search.point))
+
+
+def test_what_leaves_little_or_accuses_an_instrument_stays(asked):
+    inquiry, _ = asked
+    wrong = of(inquiry, "viscous_damping")
+    at_noise = evolve(wrong, search=SimpleNamespace(normalised=1.1))
+    assert linked_instead(inquiry, at_noise) is at_noise
+    sensor = evolve(wrong.rounds[0].leader.proposal, location={"sensor": "front", "instrument": "accelerometer"})
+    look = evolve(wrong.rounds[0], rivals=(evolve(wrong.rounds[0].leader, proposal=sensor),))
+    accused = evolve(wrong, rounds=(look,))
+    assert linked_instead(inquiry, accused) is accused
+    nothing = Discovery(wrong.base, wrong.base, inquiry.base, (), Round((), (), 1.0, wrong.base))
+    assert linked_instead(inquiry, nothing) is nothing
