@@ -19,19 +19,24 @@ RESOLUTION = 1e-3
 
 @frozen
 class Channel:
-    """One recorded channel: one axis of one sensor or marker of one instrument in one run."""
+    """One recorded channel: one axis of one sensor or marker of one instrument in one run.
+
+    Attributes:
+        label: its sensor, followed by `/axis` where that has several.
+    """
 
     run: str
     instrument: str
     sensor: str
     axis: str
+    label: str
     noise: Noise
     samples: int
 
     @property
     def name(self) -> str:
-        """`run/instrument/sensor`."""
-        return f"{self.run}/{self.instrument}/{self.sensor}"
+        """`run/instrument/label`."""
+        return f"{self.run}/{self.instrument}/{self.label}"
 
     @property
     def independent_samples(self) -> float:
@@ -114,11 +119,11 @@ def _group(run: str, name: str, observer: Observer, dataset: xr.Dataset, bodies:
     recorded = dataset[observer.quantity].transpose("time", observer.channel, "axis").values.astype(float)
     labels = [(str(sensor), str(axis)) for sensor in dataset[observer.channel].values for axis in dataset["axis"].values]
     flat = recorded.reshape(len(times), -1)
+    axes = len(dataset["axis"])
+    noises = [_noise(dataset, observer, column, flat, times, axes) for column in range(flat.shape[1])]
     channels = tuple(
-        Channel(
-            run, name, sensor, axis, _noise(dataset, observer, column, flat, times, len(dataset["axis"])), _count(flat, column)
-        )
-        for column, (sensor, axis) in enumerate(labels)
+        Channel(run, name, sensor, axis, sensor if axes == 1 else f"{sensor}/{axis}", noise, _count(flat, column))
+        for column, ((sensor, axis), noise) in enumerate(zip(labels, noises, strict=True))
     )
     return Group(run, name, observer, dataset, times, flat, channels)
 

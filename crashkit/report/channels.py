@@ -28,7 +28,7 @@ class ChannelCurves:
     """One channel of one run.
 
     Attributes:
-        run, instrument, sensor: where it was recorded.
+        run, instrument, sensor: where it was recorded; the sensor with its axis where it has several.
         quantity, units: what it recorded.
         holdout: whether its run was never fitted.
         time: (time,) s.

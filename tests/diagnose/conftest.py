@@ -13,7 +13,8 @@ from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Round
 from crashkit.mechanics import Simulator
 from crashkit.misfit import Misfit
-from crashkit.model import Joint, Model, Parameter
+from crashkit.misfit.channel import groups_of
+from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.model.edit import with_joint
 from crashkit.testing import toys
 
@@ -98,3 +99,28 @@ def offered(workshop, model, misfit, recorded):
         return look, base, final
 
     return offer
+
+
+@pytest.fixture
+def watched_in_the_plane(workshop):
+    """What a film and an accelerometer tell of a car in the plane that stands still."""
+    car = Body("car", (0.0, 0.0), (10.0, 0.0), Parameter(1000.0), inertia=(Parameter(900.0),))
+    plane = Model("plane", ("x", "y"), (Body("wall", (5.0, 0.0), (0.0, 0.0), fixed=True), car), ())
+    return list(groups_of("run", _in_the_plane(), workshop.observers, plane))
+
+
+def _in_the_plane():
+    """A car that stands still, seen by a marker and felt by a sensor that turns with it."""
+    times = np.arange(40) * 1e-3
+
+    def instrument(observer, quantity, units, channel, **attributes):
+        values = np.zeros((len(times), 1, 2))
+        points = {f"{channel}_body": (channel, ["car"]), f"{channel}_point": ((channel, "axis"), [[0.0, 0.0]], {"units": "m"})}
+        read = {quantity: (("time", channel, "axis"), values, {"units": units}), **points}
+        coords = {"time": ("time", times, {"units": "s"}), channel: ["one"], "axis": ["x", "y"]}
+        return xr.Dataset(read, coords, {"observer": observer, **attributes})
+
+    film = instrument("film", "position", "m", "marker").assign(position_std=("marker", [1e-3], {"units": "m"}))
+    sensor = instrument("accelerometer", "acceleration", "m s-2", "sensor", frame="body", channel_frequency_class=0)
+    sensor = sensor.assign(acceleration_std=("sensor", [4.0], {"units": "m s-2"}))
+    return xr.DataTree.from_dict({"film": film, "accelerometer": sensor})

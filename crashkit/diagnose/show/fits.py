@@ -74,7 +74,7 @@ def _curve(group: Group, before: np.ndarray, after: np.ndarray, holdout: bool) -
     variables["std"] = ("channel", np.array([channel.noise.std for channel in group.channels]))
     return xr.Dataset(
         variables,
-        coords={"time": group.times, "channel": [channel.sensor for channel in group.channels]},
+        coords={"time": group.times, "channel": [channel.label for channel in group.channels]},
         attrs={"holdout": int(holdout), "quantity": group.observer.quantity, "units": units},
     )
 
