@@ -132,6 +132,19 @@ def test_a_bristle_holds_like_a_spring_and_slides_like_friction():
     assert motion.force["front"] == pytest.approx(1e3 * (1.0 - np.exp(-SPEED * motion.time / 0.01)), abs=1e-6)
 
 
+def test_a_joint_that_another_one_stiffens():
+    """By half, where the other is as far compressed as counts; before its first corner each is a spring."""
+    world = one_mass()
+    world.bodies["load"] = Body(-2.0, 100.0)
+    mount = Joint("cart", "load", "crush_plateau", ELASTIC, [Term(Kind.DRIVEN, (0.5, 0.1), "front")])
+    world.joints["mount"] = mount
+    motion = run(world, SPEED, 0.05)
+    front, own = (motion.deformation[name] for name in ("front", "mount"))
+    assert front.max() > 0.1
+    expected = STIFFNESS * np.maximum(own, 0.0) * (1.0 + 0.5 * np.clip(front / 0.1, 0.0, 1.0))
+    assert motion.force["mount"] == pytest.approx(expected, abs=1e-6 * expected.max())
+
+
 @pytest.mark.parametrize("number", range(4))
 def test_the_wall_receives_the_momentum_that_the_bodies_lose(number):
     scene = draw_scene(np.random.default_rng([number, 1]))

@@ -154,8 +154,13 @@ def joint_friction(stage: Stage) -> Effect:
 
 
 def unknown(stage: Stage) -> Effect:
-    """What no list has: a dent in the plateau, a timed pulse, a hum, a window of rates, a force that work softens."""
-    joint, form = stage.joint(), stage.form("dent", "pulse", "hum", "rate_window", "softening")
+    """What no list has: a dent in the plateau, a timed pulse, a hum, a window of rates, a force that work softens or that
+    another joint drives."""
+    joint = stage.joint()
+    drivers = _elsewhere(stage, joint)
+    form = stage.form("dent", "pulse", "hum", "rate_window", "softening", *(["stiffened", "weakened"] if drivers else []))
+    if form in ("stiffened", "weakened"):
+        return _driven(stage, form, joint, stage.one_of(*drivers))
     force, deepest, fastest = stage.true(joint).level(), stage.deepest(joint), stage.fastest(joint)
     duration = stage.scene.duration
     width = duration * stage.among(0.06, 0.12)
@@ -171,6 +176,22 @@ def unknown(stage: Stage) -> Effect:
     if form in rivals:
         return evolve(effect, rivals=((rivals[form], "joint", joint),))
     return _or_on_body(stage, effect, "unknown") if form in ("pulse", "hum") else effect
+
+
+def _elsewhere(stage: Stage, joint: str) -> list[str]:
+    """The joints that are used and do not join the same two bodies."""
+    ends = {name: {stage.true(name).front, stage.true(name).back} for name in stage.scene.public}
+    return [name for name, pair in ends.items() if pair != ends[joint] and stage.deepest(name) > 0.0]
+
+
+def _driven(stage: Stage, form: str, joint: str, driver: str) -> Effect:
+    """The force rises or falls with the deformation of another joint, as far as a part of what that reaches."""
+    size, reach = 0.4 if form == "stiffened" else -0.4, stage.among(0.3, 1.0) * stage.deepest(driver)
+
+    def conceal(scene: Scene, strength: float) -> None:
+        scene.world.joints[joint].terms.append(Term(Kind.DRIVEN, (size * strength, reach), driver))
+
+    return Effect("unknown", form, "joint", joint, {"driver": driver, "driven": [size, reach]}, conceal, (0.02, 2.0))
 
 
 def _or_on_body(stage: Stage, effect: Effect, physics: str) -> Effect:

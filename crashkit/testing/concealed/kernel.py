@@ -52,7 +52,7 @@ def follow(
             z[i] += h / 6.0 * (dz[0, i] + 2.0 * dz[1, i] + 2.0 * dz[2, i] + dz[3, i])
         for j in range(len(joints)):
             joint = joints[j]
-            d_max[j] = max(d_max[j], joint.length - joint.side * (x[joint.back] - x[joint.front]))
+            d_max[j] = max(d_max[j], _deformation(joint, x))
     return motion, forces
 
 
@@ -75,14 +75,28 @@ def _rates(
     acceleration[:] = 0.0
     for j in range(len(joints)):
         joint = joints[j]
-        d = joint.length - joint.side * (x[joint.back] - x[joint.front])
+        d = _deformation(joint, x)
         rate = -joint.side * (v[joint.back] - v[joint.front])
         curve = corners[j, : joint.corners]
         force[j] = _joint_force(joint, curve, terms, states, state_rates, d, rate, max(d_max[j], d), time)
+        for i in range(joint.first_term, joint.last_term):
+            if terms[i].kind == Kind.DRIVEN:
+                force[j] *= _driven(terms[i].numbers, _deformation(joints[terms[i].driver], x))
         acceleration[joint.front] -= joint.side * force[j]
         acceleration[joint.back] += joint.side * force[j]
     for i in range(len(mobility)):
         acceleration[i] *= mobility[i]
+
+
+@numba.njit(cache=True)
+def _deformation(joint: Any, x: np.ndarray) -> float:
+    return joint.length - joint.side * (x[joint.back] - x[joint.front])
+
+
+@numba.njit(cache=True)
+def _driven(p: np.ndarray, driver: float) -> float:
+    """What the deformation of another joint multiplies the force by."""
+    return max(0.0, 1.0 + p[0] * min(1.0, max(0.0, driver / p[1])))
 
 
 @numba.njit(cache=True)
@@ -111,7 +125,7 @@ def _joint_force(
     static = _static_force(joint, corners, terms, d, x, x_max)
     force = static
     for i in range(first, last):
-        if 50 <= terms[i].kind < 70:
+        if 50 <= terms[i].kind < Kind.DRIVEN:
             force *= max(0.0, _factor(terms[i].kind, terms[i].numbers, x_max, rate, states[i]))
     total = force
     for i in range(first, last):

@@ -43,6 +43,7 @@ class Kind(IntEnum):
     BREAK_RAMP = 56  # (share lost, place, width)
     BREAK_TWICE = 57  # (share lost, place, way to the second)
     SOFTENING = 58  # (share lost, work); state: the work done so far
+    DRIVEN = 59  # (size, reach): rises with the deformation of another joint, up to a limit
     # Forces beside the spring.
     DAMP_TOUCHING = 70  # (coefficient, power)
     DAMP_ALWAYS = 71  # (coefficient, power)

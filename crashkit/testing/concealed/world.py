@@ -20,10 +20,11 @@ MOST_CORNERS = 6
 
 @frozen
 class Term:
-    """One term of a joint's force."""
+    """One term of a joint's force; `driver` is the joint whose deformation it depends on, where that is another one."""
 
     kind: Kind
     numbers: tuple[float, ...]
+    driver: str = ""
 
 
 @define
@@ -131,7 +132,7 @@ _JOINT = np.dtype(
         ("unloading", "f8"),
     ]
 )
-_TERM = np.dtype([("kind", "i8"), ("numbers", "f8", (NUMBERS,))])
+_TERM = np.dtype([("kind", "i8"), ("driver", "i8"), ("numbers", "f8", (NUMBERS,))])
 
 
 def run(world: World, speed: float, duration: float, step: float = STEP) -> Motion:
@@ -162,6 +163,7 @@ def _tables(world: World) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         corners[number, : len(curve)] = curve
         for term in joint.terms:
             terms[used]["kind"], terms[used]["numbers"][: len(term.numbers)] = term.kind, term.numbers
+            terms[used]["driver"] = list(world.joints).index(term.driver) if term.driver else number
             used += 1
         ends = (index[joint.front], index[joint.back], used - len(joint.terms), used, len(curve), joint.one_way)
         unloading = joint.parameters.get("unloading_stiffness", 0.0)
