@@ -8,6 +8,7 @@ import xarray as xr
 from attrs import frozen
 from scipy.spatial.transform import Rotation
 
+from crashkit.mechanics.given import side_of
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import SpringLaw
 
@@ -25,6 +26,7 @@ class Path:
         deformation, rate: (time,), m and m s-1.
         direction: (time, axis), in which the second body is pushed.
         arms: (time, axis) each, m, from the centres of mass to where the joint holds.
+        driver: how it deforms the joint that drives this one, if one does.
     """
 
     times: np.ndarray
@@ -32,6 +34,7 @@ class Path:
     rate: np.ndarray
     direction: np.ndarray
     arms: Vectors
+    driver: "Path | None" = None
 
 
 def forces_along(model: Model, laws: Laws, motion: xr.Dataset) -> xr.Dataset:
@@ -110,15 +113,14 @@ def path_along(model: Model, joint: Joint, motion: xr.Dataset) -> Path:
         rate = np.sum(direction * apart_rate, axis=1)
         arms = near - centres[0], far - centres[1]
     free_length = length[0] if joint.free_length is None else joint.free_length.value
-    return Path(motion["time"].values, free_length - length, -rate, direction, arms)
+    driver = path_along(model, model.joint(joint.driver), motion) if joint.driver else None
+    return Path(motion["time"].values, free_length - length, -rate, direction, arms, driver)
 
 
 def _directions(model: Model, joint: Joint, apart: np.ndarray) -> np.ndarray:
     if len(model.axes) > 1:
         return apart / np.linalg.norm(apart, axis=1, keepdims=True)
-    first, second = (model.body(name).position[0] for name in joint.bodies)
-    points = joint.points or ((0.0,), (0.0,))
-    return np.full_like(apart, 1.0 if second + points[1][0] >= first + points[0][0] else -1.0)
+    return np.full_like(apart, side_of(model, joint))
 
 
 def _carried(model: Model, motion: xr.Dataset, body: str, point: tuple[float, ...]) -> Vectors:
@@ -143,17 +145,21 @@ def _turned(model: Model, motion: xr.Dataset, body: str, vector: tuple[float, ..
 
 def force_along(joint: Joint, laws: Laws, path: Path) -> np.ndarray:
     """What a joint pushes with along a path, (time,), N."""
-    largest = np.maximum.accumulate(np.maximum(path.deformation, 0.0))
-    states = list(zip(path.deformation.tolist(), path.rate.tolist(), largest.tolist(), strict=True))
-    force = np.ones(len(states))
+    own, force = _states(path), np.ones(len(path.times))
     for law in (laws[name] for name in (joint.law, *joint.factors)):
         values = [_value(joint.parameters.get(spec.name), spec.default) for spec in law.parameters]
+        states = _states(path.driver) if law.driven and path.driver else own
         if law.memory:
             remembered = _memory(law, path.times, states, values)
             force *= [law.force(*state, z, *values) for state, z in zip(states, remembered, strict=True)]
         else:
             force *= [law.force(*state, *values) for state in states]
     return force
+
+
+def _states(path: Path) -> list[tuple[float, float, float]]:
+    largest = np.maximum.accumulate(np.maximum(path.deformation, 0.0))
+    return list(zip(path.deformation.tolist(), path.rate.tolist(), largest.tolist(), strict=True))
 
 
 def _memory(

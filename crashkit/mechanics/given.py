@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline, PPoly
 from scipy.spatial.transform import Rotation, RotationSpline
 
 from crashkit.mechanics.kernel.arrays import Floats
-from crashkit.model import Body, GivenForce, GivenMotion, Model
+from crashkit.model import Body, GivenForce, GivenMotion, Joint, Model
 
 PARTS = 20
 """Into which each interval of an imposed rotation in space is divided, because its angular acceleration is not affine
@@ -66,6 +66,15 @@ def imposed_start(motion: GivenMotion, dof: int) -> tuple[Floats, Floats, Floats
         orientation = Rotation.from_rotvec(-instant * rate) * turning(instant)
         quaternion = orientation.as_quat(scalar_first=True)
     return np.append(position, np.zeros(3)), np.append(velocity, rate), quaternion
+
+
+def side_of(model: Model, joint: Joint) -> float:
+    """On which side of a joint's first end its second one lies at t = 0, on a line: its direction for ever."""
+    bodies = [model.body(name) for name in joint.bodies]
+    places = [body.position if body.motion is None else imposed_start(body.motion, 1)[0] for body in bodies]
+    points = joint.points or ((0.0,), (0.0,))
+    first, second = (float(place[0]) + point[0] for place, point in zip(places, points, strict=True))
+    return 1.0 if second >= first else -1.0
 
 
 def _series(body: Body, start: int, dof: int) -> Iterator[Series]:

@@ -7,7 +7,7 @@ from attrs import frozen
 
 from crashkit.errors import CrashkitError, SimulationError
 from crashkit.mechanics.engine import Engine
-from crashkit.mechanics.kernel.arrays import NONE, TO_MEMORY, TO_PARAMETERS, Floats, Integers
+from crashkit.mechanics.kernel.arrays import NONE, TO_D_MAX, TO_MEMORY, TO_PARAMETERS, Floats, Integers
 from crashkit.mechanics.laws.source import LawFunction
 from crashkit.mechanics.layout import Laws, functions_of_joint, memory_rate
 from crashkit.model import Joint
@@ -18,11 +18,13 @@ Numbers = list[Floats]
 
 @frozen(eq=False)
 class _Part:
-    """The law or a factor: where its machine code is, and the place of its parameters among those of the joint."""
+    """The law or a factor: where its machine code is, the place of its parameters among those of the joint, and whether
+    another joint drives it."""
 
     code: int
     memory_code: int
     place: Integers
+    driven: bool
 
 
 class JointLaw:
@@ -54,6 +56,7 @@ class JointLaw:
                 engine.codes[function],
                 engine.codes[memory_rate(function)] if function.law.memory else int(NONE),
                 np.array([self.paths.index(path) for path in paths], dtype=int),
+                function.law.driven,
             )
             for function, paths in zip(functions, own, strict=True)
         ]
@@ -74,34 +77,42 @@ class JointLaw:
         known = {**self._omitted, **values}
         return [np.array([known[self.paths[i]] for i in part.place], dtype=float) for part in self._parts]
 
-    def modes(self, times: Floats, states: Floats, numbers: Numbers) -> Integers:
+    def modes(self, times: Floats, states: Floats, numbers: Numbers, drive: Floats | None = None) -> Integers:
         """The branches (function, time) that the law and its factors take along a motion that begins without memory.
 
         Arguments:
             times: (time,) s.
             states: (time, 3).
             numbers: see `numbers`.
+            drive: (time, 3), states of the joint that drives it, if one does.
         """
         modes = np.zeros((len(self._parts), len(times)), dtype=np.int64)
         for part, own, taken in zip(self._parts, numbers, modes, strict=True):
-            self._followed(part, times, states, own, taken, choose=True)
+            self._followed(part, times, _of(part, states, drive), own, taken, choose=True)
         return modes
 
-    def evaluate(self, times: Floats, states: Floats, modes: Integers, numbers: Numbers) -> tuple[Floats, Floats]:
-        """The forces (time,), N, on given branches, and their derivatives to d, ddot, d_max and each of `paths`.
+    def evaluate(
+        self, times: Floats, states: Floats, modes: Integers, numbers: Numbers, drive: Floats | None = None
+    ) -> tuple[Floats, Floats, Floats]:
+        """The forces (time,), N, on given branches, and their derivatives.
+
+        These are to d, ddot, d_max and each of `paths`, and apart from them those to d and ddot of what drives it.
 
         What a memory owes to the past counts as derivative to d, as if all deformations were shifted alike.
         """
-        force, slopes = np.ones(len(times)), np.zeros((len(times), TO_MEMORY + len(self.paths)))
+        force, driven = np.ones(len(times)), np.zeros((len(times), 2))
+        slopes = np.zeros((len(times), TO_MEMORY + len(self.paths)))
         for part, own, taken in zip(self._parts, numbers, modes, strict=True):
-            value, changes = self._followed(part, times, states, own, taken, choose=False)
+            value, changes = self._followed(part, times, _of(part, states, drive), own, taken, choose=False)
             slopes *= value[:, None]
+            driven *= value[:, None]
             changes *= force[:, None]
-            slopes[:, :TO_MEMORY] += changes[:, :TO_MEMORY]
+            (driven if part.driven else slopes)[:, :2] += changes[:, :2]
+            slopes[:, TO_D_MAX] += 0.0 if part.driven else changes[:, TO_D_MAX]
             slopes[:, TO_MEMORY + part.place] += changes[:, TO_PARAMETERS:]
             force *= value
         self._check(states, np.isfinite(force) & np.isfinite(slopes).all(axis=1))
-        return force, slopes
+        return force, slopes, driven
 
     def _followed(
         self, part: _Part, times: Floats, states: Floats, own: Floats, modes: Integers, choose: bool
@@ -118,6 +129,14 @@ class JointLaw:
             raise SimulationError(
                 f"joint {self.joint.name}: expected a force, found none at d = {d:.6g} m, rate {rate:.6g} m/s"
             )
+
+
+def _of(part: _Part, states: Floats, drive: Floats | None) -> Floats:
+    """The states that a function takes."""
+    if not part.driven:
+        return states
+    assert drive is not None  # as the model's checks say
+    return drive
 
 
 def _paths(joint: Joint, function: LawFunction) -> Iterator[str]:

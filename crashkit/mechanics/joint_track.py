@@ -7,11 +7,35 @@ import xarray as xr
 from attrs import frozen
 from scipy.spatial.transform import Rotation
 
+from crashkit.mechanics.given import side_of
 from crashkit.mechanics.joint_law import JointLaw
 from crashkit.mechanics.kernel.arrays import TO_D, TO_D_MAX, TO_MEMORY, Integers
 from crashkit.model import Joint, Model
 
 XYZ = ("x", "y", "z")
+
+
+@frozen(eq=False)
+class Stretch:
+    """How a motion deforms a joint.
+
+    Arguments:
+        free_length: path of its free length.
+        distance, nearest: (time,) m, of its ends, and the least so far.
+        rate: (time,) m s-1, of its deformation.
+        length: m, its free length where the values do not give it.
+    """
+
+    free_length: str
+    distance: np.ndarray
+    nearest: np.ndarray
+    rate: np.ndarray
+    length: float
+
+    def states(self, values: Mapping[str, float]) -> np.ndarray:
+        """(time, 3), deformation, its rate, and the largest deformation so far."""
+        length = values.get(self.free_length, self.length)
+        return np.column_stack([length - self.distance, self.rate, np.maximum(length - self.nearest, 0.0)])
 
 
 @frozen(eq=False)
@@ -21,57 +45,61 @@ class Track:
     Arguments:
         law: what gives them.
         times: (time,) s.
-        distance, nearest: (time,) m, of its ends, and the least so far.
-        rate: (time,) m s-1, of its deformation.
-        length: m, its free length where the values do not give it.
+        own: how the motion deforms it.
+        driver: how it deforms the joint that drives it, if one does.
         ends: of both bodies, the row, and (time, axis) what a force of 1 N puts on it: a force and, in several axes, a moment.
     """
 
     law: JointLaw
     times: np.ndarray
-    distance: np.ndarray
-    nearest: np.ndarray
-    rate: np.ndarray
-    length: float
+    own: Stretch
+    driver: Stretch | None
     ends: tuple[tuple[int, np.ndarray], tuple[int, np.ndarray]]
 
     def states(self, values: Mapping[str, float]) -> np.ndarray:
         """(time, 3), deformation, its rate, and the largest deformation so far."""
-        length = values.get(self._free_length, self.length)
-        return np.column_stack([length - self.distance, self.rate, np.maximum(length - self.nearest, 0.0)])
+        return self.own.states(values)
 
     def modes(self, values: Mapping[str, float]) -> Integers:
         """The branches (function, time) that the law and its factors take."""
-        return self.law.modes(self.times, self.states(values), self.law.numbers(values))
+        return self.law.modes(self.times, self.states(values), self.law.numbers(values), self._drive(values))
 
     def push(self, modes: Integers, values: Mapping[str, float], paths: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
         """The forces (time,), N, on given branches, and their derivatives (time, parameter) to `paths`."""
-        force, slopes = self.law.evaluate(self.times, self.states(values), modes, self.law.numbers(values))
+        states, drive = self.states(values), self._drive(values)
+        force, slopes, driven = self.law.evaluate(self.times, states, modes, self.law.numbers(values), drive)
         known = {path: slopes[:, TO_MEMORY + i] for i, path in enumerate(self.law.paths)}
         # A longer free length deforms the joint more at every instant, and with it the largest deformation so far.
-        known[self._free_length] = slopes[:, TO_D] + slopes[:, TO_D_MAX]
+        known[self.own.free_length] = slopes[:, TO_D] + slopes[:, TO_D_MAX]
+        if self.driver is not None:
+            known[self.driver.free_length] = driven[:, TO_D]
         return force, np.array([known.get(path, np.zeros(len(force))) for path in paths]).reshape(len(paths), -1).T
 
-    @property
-    def _free_length(self) -> str:
-        return f"joint.{self.law.joint.name}.free_length"
+    def _drive(self, values: Mapping[str, float]) -> np.ndarray | None:
+        return None if self.driver is None else self.driver.states(values)
 
 
 def track_of(model: Model, joint: Joint, law: JointLaw, motion: xr.Dataset) -> Track:
     """A joint of a model along a motion, as `state_form` takes it (Mizzi & Jezequel 1992, eq 7-11)."""
+    first, second = (_End.of(model, joint, number, motion) for number in (0, 1))
+    apart = second.place - first.place
+    direction, _ = _direction(model, joint, first, apart)
+    # Against the flat face of the first body both forces act at the point of the second.
+    first_arm = first.arm + apart if joint.normal is not None else first.arm
+    rows = [[body.name for body in model.bodies].index(name) for name in joint.pushed]
+    ends = (rows[0], -_wrench(direction, first_arm)), (rows[1], _wrench(direction, second.arm))
+    driver = _stretch_of(model, model.joint(joint.driver), motion) if joint.driver else None
+    return Track(law, motion.variables["time"].values.astype(float), _stretch_of(model, joint, motion), driver, ends)
+
+
+def _stretch_of(model: Model, joint: Joint, motion: xr.Dataset) -> Stretch:
     first, second = (_End.of(model, joint, number, motion) for number in (0, 1))
     apart, parting = second.place - first.place, second.speed - first.speed
     direction, turning = _direction(model, joint, first, apart)
     distance = (direction * apart).sum(axis=1)
     rate = -(direction * parting + turning * apart).sum(axis=1)
     length = float(distance[0]) if joint.free_length is None else joint.free_length.value
-    # Against the flat face of the first body both forces act at the point of the second.
-    first_arm = first.arm + apart if joint.normal is not None else first.arm
-    rows = [[body.name for body in model.bodies].index(name) for name in joint.pushed]
-    ends = (rows[0], -_wrench(direction, first_arm)), (rows[1], _wrench(direction, second.arm))
-    return Track(
-        law, motion.variables["time"].values.astype(float), distance, np.minimum.accumulate(distance), rate, length, ends
-    )
+    return Stretch(f"joint.{joint.name}.free_length", distance, np.minimum.accumulate(distance), rate, length)
 
 
 def in_space(axes: Sequence[str], vector: Sequence[float]) -> np.ndarray:
@@ -119,10 +147,7 @@ def _by_body(motion: xr.Dataset, quantity: str) -> np.ndarray:
 def _direction(model: Model, joint: Joint, first: _End, apart: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Where a joint pushes its second body, (time, axis), and how fast that turns as far as the distance feels it."""
     if first.frame is None:
-        ends = [model.body(name).position[0] for name in joint.bodies]
-        points = joint.points or ((0.0,), (0.0,))
-        side = 1.0 if ends[1] + points[1][0] >= ends[0] + points[0][0] else -1.0
-        return np.full_like(apart, side), np.zeros_like(apart)
+        return np.full_like(apart, side_of(model, joint)), np.zeros_like(apart)
     if joint.normal is not None:
         normal = first.frame.apply(in_space(model.axes, joint.normal))
         return normal, np.cross(first.spin, normal)

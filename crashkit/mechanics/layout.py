@@ -33,6 +33,7 @@ class Layout:
         ends: (joint, 2) index of each joint's bodies.
         pushed: (joint, 2) index of the bodies on which each joint's force acts.
         functions: of each joint, its law and then its factors.
+        drivers: of each function, the index of the joint whose deformation it takes, or -1: its own.
         places: where each parameter sits, by path.
         parameters: the parameter vector.
         offsets: (function + 1) where each function's parameters begin.
@@ -52,6 +53,7 @@ class Layout:
     ends: Integers
     pushed: Integers
     functions: tuple[tuple[LawFunction, ...], ...]
+    drivers: Integers
     places: Mapping[str, Place]
     parameters: Floats
     offsets: Integers
@@ -103,6 +105,7 @@ def lay_out(model: Model, laws: Laws) -> Layout:
         ends=_indices(model, [joint.bodies for joint in model.joints]),
         pushed=_indices(model, [joint.pushed for joint in model.joints]),
         functions=functions,
+        drivers=np.array(list(_drivers(model, functions)), int),
         places={path: ("parameters", (entries,)) for path, entries in slots.items()} | dict(_places(model)),
         parameters=np.array(parameters, float),
         offsets=np.array(offsets),
@@ -140,6 +143,15 @@ def functions_of_joint(joint: Joint, laws: Laws) -> Iterator[LawFunction]:
         if law.unit != expected:
             raise CrashkitError(f"joint {joint.name}: expected a function with unit {expected}, found {name} with {law.unit}")
         yield LawFunction(law, tuple(len(_vector(joint, spec)) for spec in law.parameters if spec.vector))
+
+
+def _drivers(model: Model, functions: Sequence[Sequence[LawFunction]]) -> Iterator[int]:
+    names = [joint.name for joint in model.joints]
+    for joint, own in zip(model.joints, functions, strict=True):
+        for function in own:
+            if function.law.driven and joint.driver not in names:
+                raise CrashkitError(f"joint {joint.name}: expected the joint that drives it, found {joint.driver or 'none'}")
+            yield names.index(joint.driver) if function.law.driven else -1
 
 
 def _entries(joint: Joint, law: type[SpringLaw]) -> Iterator[tuple[str, float]]:

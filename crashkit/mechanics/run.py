@@ -152,6 +152,7 @@ def _functions(layout: Layout, engine: Engine, memories: int) -> Records:
     own = [function for joint in layout.functions for function in joint]
     functions["code"] = [engine.codes[function] for function in own]
     functions["offset"], functions["count"] = layout.offsets[:-1], np.diff(layout.offsets)
+    functions["driver"] = layout.drivers
     functions["memory"] = -1
     for f, function in enumerate(own):
         if function.law.memory:

@@ -124,7 +124,10 @@ def _in_some(model: Model) -> dict[str, np.ndarray]:
     support = {"joint_support": np.array(supports, dtype=np.int8)} if any(supports) else {}
     linked = [joint.acts_on or ("", "") for joint in joints]
     linkage = {"joint_acts_on": _text(linked)} if any(joint.acts_on for joint in joints) else {}
-    return gravity | support | linkage | {name: column for name, column in columns.items() if not np.isnan(column).all()}
+    driven = {"joint_driver": _text([joint.driver for joint in joints])} if any(joint.driver for joint in joints) else {}
+    return (
+        gravity | support | linkage | driven | {name: column for name, column in columns.items() if not np.isnan(column).all()}
+    )
 
 
 def _optional(rows: list[tuple[float, ...]], size: int) -> np.ndarray:
@@ -191,6 +194,7 @@ def _joint(columns: dict[str, list[Any]], index: int) -> Joint:
         normal=_row(columns, "joint_normal", index) or None,
         support=bool(columns["joint_support"][index]) if "joint_support" in columns else False,
         acts_on=_linked(columns, index),
+        driver=columns["joint_driver"][index] if "joint_driver" in columns else "",
     )
 
 

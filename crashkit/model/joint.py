@@ -26,6 +26,7 @@ class Joint:
             the joint is the line between its two points. In one axis the two are the same.
         acts_on: names of the two bodies on which its force acts where that are not the two whose approach deforms it: a
             linkage carries it there. The first is pushed as the joint would push its own first body. In one axis only.
+        driver: name of the joint whose deformation drives the law or the factors that are `driven`; "" where none is.
         support: whether it holds one of the bodies to what stands behind it: a load cell on that body does not feel it. In
             one axis only.
     """
@@ -40,6 +41,7 @@ class Joint:
     normal: tuple[float, ...] | None = None
     support: bool = False
     acts_on: tuple[str, str] | None = None
+    driver: str = ""
 
     @property
     def pushed(self) -> tuple[str, str]:

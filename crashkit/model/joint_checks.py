@@ -27,6 +27,7 @@ def joint_faults(joint: Joint, model: Model, laws: Laws, where: str) -> Iterator
     yield from _pair_faults(joint.bodies, known, f"{where}/bodies")
     yield from _pair_faults(joint.pushed, known, f"{where}/acts_on") if joint.acts_on else ()
     yield from _geometry_faults(joint, model, where)
+    yield from _driver_faults(joint, model, laws, where)
     if joint.free_length is not None:
         yield from parameter_faults(joint.free_length, None, f"{where}/free_length")
     yield from _law_faults(joint.law, "N", laws, f"{where}/law")
@@ -59,6 +60,14 @@ def _is_placed(body: Body, point: Sequence[float], axes: int) -> bool:
     numbers = (*body.position, *body.orientation, *point)
     lengths = len(body.position), len(point), len(body.orientation) or ORIENTATION.get(axes)
     return lengths == (axes, axes, ORIENTATION.get(axes)) and all(map(math.isfinite, numbers))
+
+
+def _driver_faults(joint: Joint, model: Model, laws: Laws, where: str) -> Iterator[Fault]:
+    others = [other.name for other in model.joints if other.name not in ("", joint.name)]
+    driven = [name for name in (joint.law, *joint.factors) if name in laws and laws[name].driven]
+    if joint.driver not in (*others, "") or (driven and not joint.driver):
+        reason = f", which {names(driven)} depends on" if driven else ""
+        yield Fault(f"{where}/driver", f"one of the other joints ({names(others) or 'none'}){reason}", shown(joint.driver))
 
 
 def _pair_faults(pair: tuple[str, str], known: Sequence[str], where: str) -> Iterator[Fault]:

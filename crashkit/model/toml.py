@@ -163,6 +163,7 @@ def _joint(table: dict[str, Any], laws: Mapping[str, type[SpringLaw]], index: in
         free_length=_free_length(joint.get("free_length"), f"{where}/free_length", faults),
         normal=normalised(_floats(joint["normal"])) if "normal" in joint else None,
         support=joint.get("support", False),
+        driver=joint.get("driver", ""),
         acts_on=(joint["acts_on"][0], joint["acts_on"][1]) if "acts_on" in joint else None,
     )
 

@@ -82,6 +82,7 @@ JOINT = {
     "free_length": _ANY,
     "support": _FLAG,
     "acts_on": _NAMES,
+    "driver": _TEXT,
     "law": _TEXT,
     "factors": _TEXTS,
     "parameters": _TABLE,

@@ -92,6 +92,7 @@ def _joint(joint: Joint, laws: Mapping[str, type[SpringLaw]]) -> str:
         **({"free_length": write_parameter(joint.free_length, UNDECLARED)} if joint.free_length is not None else {}),
         **({"support": True} if joint.support else {}),
         **({"acts_on": joint.acts_on} if joint.acts_on else {}),
+        **({"driver": joint.driver} if joint.driver else {}),
         "law": joint.law,
         **({"factors": joint.factors} if joint.factors else {}),
     }

@@ -44,6 +44,8 @@ class SpringLaw(ABC):
         jumps: the value, or the rate of the memory, may jump where a branch changes (fracture); the engine then gives the
             sensitivities their jump.
         passive: the law never gives out more energy than it took in (tested by the contract suite).
+        driven: the value depends on d and ddot of another joint, the `driver` of its own, in one smooth piece: without
+            branches, `min`, `max` and `abs`, and without a memory.
         opaque: the law is meant to run as plain Python.
         force: the pure scalar function, as a staticmethod.
         memory_rate: the rate of change of the memory, likewise, if there is one.
@@ -57,6 +59,7 @@ class SpringLaw(ABC):
     memory: ClassVar[str] = ""
     jumps: ClassVar[bool] = False
     passive: ClassVar[bool] = True
+    driven: ClassVar[bool] = False
     opaque: ClassVar[bool] = False
     force: ClassVar[Callable[..., float]]
     memory_rate: ClassVar[Callable[..., float]] = staticmethod(no_change)

@@ -12,6 +12,7 @@ from crashkit_spring_laws import SPRING_LAWS
 
 SIZES = {"piecewise_affine": (3, 3), "measured_curve": (4, 4)}
 SEVERAL_AXES = ("crush_plateau", "viscous", "linear_stop", "tension_spring", "rate_linear", "brittle", "maxwell")
+IN_LISTS = ("driven_curve",)
 PLATEAU = {
     "elastic_stiffness": 1.2,
     "crush_force": 0.24,
@@ -49,6 +50,7 @@ def engine(laws) -> Engine:
 def engines(laws, engine) -> Mapping[int, Engine]:
     """One for each number of axes: to compile it is what takes the time."""
     functions = [function for name in SEVERAL_AXES for function in _functions(laws[name], ())]
+    functions += [function for name in IN_LISTS for function in _functions(laws[name], (4,))]
     return {1: engine, 2: compile_engine(functions, 2), 3: compile_engine(functions, 3)}
 
 

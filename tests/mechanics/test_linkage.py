@@ -1,4 +1,4 @@
-"""A linkage: a joint that two bodies deform and whose force acts on two others."""
+"""Linkages: a joint that two bodies deform and whose force acts on two others; and one whose force another joint drives."""
 
 import numpy as np
 import pytest
@@ -12,6 +12,8 @@ from crashkit.model import Body, Model, Parameter
 from crashkit.model.checks import check_model
 
 TIMES = np.linspace(0.0, 1.2, 241)
+STAGES = np.linspace(0.0, 0.08, 161)
+HEIGHTS = 0.3, -0.2, 0.5, 0.4
 FRONT, REAR, LINK = 4.0, 3.0, 1.5
 """N/m."""
 
@@ -77,6 +79,70 @@ def test_along_a_motion_and_in_the_state_form_it_is_the_same(linked, laws, simul
     along = forces_along(linked, laws, motion[["position", "velocity"]])
     np.testing.assert_allclose(along["contact_force"], motion["contact_force"], atol=1e-9)
     np.testing.assert_allclose(state_form(linked, laws, motion)["acceleration"], motion["acceleration"], atol=1e-9)
+
+
+@pytest.fixture
+def driven(car):
+    """Of the model that has everything: what is between the two bodies is driven by what is in front of them."""
+
+    def of(axes):
+        model = car(axes)
+        numbers = {"driver_reach": Parameter(0.2), "driver_heights": tuple(map(Parameter, HEIGHTS))}
+        line = model.joint("line")
+        line = evolve(line, factors=("driven_curve",), driver="face", parameters={**line.parameters, **numbers})
+        return evolve(model, joints=tuple(line if joint.name == "line" else joint for joint in model.joints))
+
+    return of
+
+
+def factor(deformation):
+    """Of the fixture's numbers, written out."""
+    share = deformation / 0.2
+    place = 4 * 0.5 * (share + 1.0 - np.sqrt((share - 1.0) ** 2 + 0.02**2))
+    return 1.0 + sum(height * np.exp(-(((place - i - 0.5) / 0.8) ** 2)) for i, height in enumerate(HEIGHTS))
+
+
+@pytest.mark.parametrize("axes", [1, 2, 3])
+def test_a_driven_factor_multiplies_the_force_by_what_the_other_joint_says(driven, car, laws, simulator, axes):
+    """The law alone, along the same motion, gives the rest."""
+    motion = simulator(driven(axes)).run(STAGES)
+    says = factor(motion["deformation"].sel(joint="face").values)
+    assert np.ptp(says) > 0.3
+    expected = says * forces_along(car(axes), laws, motion)["force"].sel(joint="line").values
+    np.testing.assert_allclose(motion["force"].sel(joint="line"), expected, atol=1e-3 * expected.max())
+    along = forces_along(driven(axes), laws, motion)["force"].sel(joint="line").values
+    np.testing.assert_allclose(along, expected, rtol=1e-12, atol=1e-9)
+
+
+@pytest.mark.parametrize("axes", [1, 2, 3])
+def test_its_sensitivities_agree_with_differences_and_the_adjoint_with_them(driven, simulator, check_adjoint, axes):
+    own, model = simulator(driven(axes)), driven(axes)
+    paths = ["joint.line.driver_heights[2]", "joint.face.crush_force", "joint.line.crush_force", "body.front.mass"]
+    end = "joint.face.points[1]" if axes == 1 else "joint.face.points[1][0]"
+    check_adjoint(own, STAGES, [*paths, end], close=1e-11)
+    slopes = own.run(STAGES, sensitivities=paths)["position_sensitivity"]
+    for path in paths:
+        value = model.parameters()[path].value
+        above, below = (own.run(STAGES, {path: value * (1.0 + h)})["position"] for h in (1e-5, -1e-5))
+        expected = (above - below) / (2e-5 * value)
+        np.testing.assert_allclose(slopes.sel(parameter=path), expected, atol=1e-5 * float(np.abs(expected).max()))
+
+
+def test_the_state_form_knows_what_drives_a_joint(driven, laws, simulator):
+    model = driven(1)
+    motion = simulator(model).run(np.linspace(0.0, 0.08, 1601))
+    form = state_form(model, laws, motion)
+    told, felt = (one["acceleration"].sel(body=["front", "rear"]) for one in (form, motion))
+    np.testing.assert_allclose(told, felt, atol=1e-3 * float(np.abs(felt).max()))
+
+
+@pytest.mark.parametrize("driver", ["", "line", "roof"])
+def test_what_drives_it_is_checked(driven, laws, driver):
+    model = driven(1)
+    joints = tuple(evolve(joint, driver=driver) if joint.name == "line" else joint for joint in model.joints)
+    expected = f'joint "line"/driver: expected one of the other joints .*"driven_curve" depends on, found "{driver}"'
+    with pytest.raises(ContractError, match=expected):
+        check_model(evolve(model, joints=joints), laws, "linked")
 
 
 @pytest.mark.parametrize(

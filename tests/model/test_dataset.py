@@ -61,7 +61,7 @@ def plane() -> Model:
         ),
         (
             Joint("face", ("barrier", "box"), "linear", {}, normal=(-1.0, 0.0)),
-            Joint("line", ("box", "load"), "linear", {}, support=True, acts_on=("barrier", "box")),
+            Joint("line", ("box", "load"), "linear", {}, support=True, acts_on=("barrier", "box"), driver="face"),
         ),
         gravity=(0.0, -9.81),
     )

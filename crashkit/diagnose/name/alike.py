@@ -32,7 +32,7 @@ def most_alike(present: Misfit, other: Misfit, names: Sequence[str], laws: Laws)
     motions = [_thinned(present.predictor.motion(run, present.values(present.start()))) for run in present.recordings]
     stills = [np.zeros(motion["position"].shape) for motion in motions]
     acting = _between(present.model, pairs)
-    wanted = _forces(acting, laws, _paths(acting, motions), stills)
+    wanted = _forces(acting, laws, _paths(present.model, pairs, motions), stills)
     start, (lower, upper) = other.start(), other.bounds()
     moving = [other.names.index(name) for name in names]
     if not np.any(wanted):
@@ -43,7 +43,7 @@ def most_alike(present: Misfit, other: Misfit, names: Sequence[str], laws: Laws)
         scaled[moving] = point
         return other.values(scaled)
 
-    paths = _paths(_between(other.model, pairs), motions)
+    paths = _paths(other.model, pairs, motions)
 
     def difference(point: np.ndarray) -> np.ndarray:
         model = _between(other.model.with_values(values(point)), pairs)
@@ -63,9 +63,9 @@ def _thinned(motion: xr.Dataset) -> xr.Dataset:
     return motion.isel(time=np.unique(np.linspace(0, motion.sizes["time"] - 1, INSTANTS).astype(int)))
 
 
-def _paths(model: Model, motions: Sequence[xr.Dataset]) -> list[list[Path]]:
-    """How each motion deforms each joint."""
-    return [[path_along(model, joint, motion) for joint in model.joints] for motion in motions]
+def _paths(model: Model, pairs: Collection[frozenset[str]], motions: Sequence[xr.Dataset]) -> list[list[Path]]:
+    """How each motion deforms each joint between these bodies."""
+    return [[path_along(model, joint, motion) for joint in _between(model, pairs).joints] for motion in motions]
 
 
 def _forces(model: Model, laws: Laws, paths: Sequence[Sequence[Path]], stills: Sequence[np.ndarray]) -> np.ndarray:

@@ -70,27 +70,32 @@ def motion_adjoint(bodies, joint, state, row, d_bar, rate_bar, force, load, lam,
 
 @compiled
 def joint_adjoint(
-    bodies, joint, functions, parameters, state, partials, row, response, load, seeds, lam, parameter_gradient, own
-):
+    bodies, joints, j, functions, parameters, state, partials, row, response, load, seeds, lam, parameter_gradient,
+    joint_gradient,
+):  # fmt: skip
     """Carry the adjoint of the forces that a joint puts on its bodies back to the state and to its parameters.
 
     Arguments:
         response: of the state's derivative.
         load: of the forces and moments on the bodies.
         seeds: of the joint's own force, deformation and rate.
-        own: of its largest deformation, its rest and its attachments.
+        joint_gradient: of each joint's largest deformation, its rest and its attachments.
     """
+    joint, own = joints[j], joint_gradient[j]
     a, b = DOF * joint.pushed_first, DOF * joint.pushed_second
     wanted = seeds[0]
     for i in range(DOF):
         wanted -= load[a + i] * joint.gradient[i] + load[b + i] * joint.gradient[DOF + i]
-    force, to_d, to_rate, to_d_max = joint_partials(joint, functions, parameters, partials, state, row)
+    force, to_d, to_rate, to_d_max = joint_partials(joints, joint, functions, parameters, partials, state, row)
     d_bar, rate_bar = wanted * to_d + seeds[1], wanted * to_rate + seeds[2]
     own[0] += wanted * to_d_max
     for f in range(joint.start, joint.stop):
         function = functions[f]
         for i in range(function.count):
             parameter_gradient[function.offset + i] += wanted * partials[f, TO_PARAMETERS + i]
+        if function.driver >= 0:
+            k, there, then = function.driver, wanted * partials[f, TO_D], wanted * partials[f, TO_RATE]
+            motion_adjoint(bodies, joints[k], state, row, there, then, 0.0, load, lam, joint_gradient[k])
         if function.memory >= 0:
             lam[function.memory] += wanted * partials[f, TO_MEMORY]
             rate, slopes = response[function.memory], partials[f]
@@ -117,7 +122,8 @@ def accelerate_adjoint(
     begin_forces(bodies, state, row)
     for joint in joints:
         kinematics(bodies, joint, state, row)
-        force = joint_partials(joint, functions, parameters, partials, state, row)[0]
+    for joint in joints:
+        force = joint_partials(joints, joint, functions, parameters, partials, state, row)[0]
         push(bodies, joint, force)
     add_given(bodies, given, t, piece)
     rates_adjoint(bodies, state, row, response, lam)
@@ -125,11 +131,11 @@ def accelerate_adjoint(
     for i in range(n):
         load[i] += seeds[3 * joints.size + i]
     for j in range(joints.size):
-        joint, own = joints[j], joint_gradient[j]
         wanted = seeds[3 * j : 3 * j + 3]
         joint_adjoint(
-            bodies, joint, functions, parameters, state, partials, row, response, load, wanted, lam, parameter_gradient, own
-        )
+            bodies, joints, j, functions, parameters, state, partials, row, response, load, wanted, lam, parameter_gradient,
+            joint_gradient,
+        )  # fmt: skip
 
 
 @compiled

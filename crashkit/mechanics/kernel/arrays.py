@@ -76,6 +76,7 @@ FUNCTION = np.dtype(
     [
         ("code", np.int64),  # address of the table of its functions
         ("mode", np.int64),  # its branches, one bit each
+        ("driver", np.int64),  # the joint whose deformation it takes, or -1: its own
         ("offset", np.int64),  # of its first parameter
         ("count", np.int64),  # of its parameters
         ("value", np.float64),  # when its derivatives were last evaluated

@@ -28,7 +28,7 @@ def kinematics(bodies, joint, state, row):
 
 
 @inlined
-def joint_force(joint, functions, parameters, state, row, d, ddot):
+def joint_force(joints, joint, functions, parameters, state, row, d, ddot):
     """Force of a joint on its frozen branches, and its smallest guard; the rates of its memories go to the state."""
     size = state.shape[1] // 2
     d_max, guard = joint.d_max, joint.d_max - d + ROUNDING
@@ -38,6 +38,10 @@ def joint_force(joint, functions, parameters, state, row, d, ddot):
     for f in range(joint.start, joint.stop):
         function = functions[f]
         memory, z = function.memory, 0.0
+        if function.driver >= 0:
+            driver = joints[function.driver]
+            force *= law_frozen(function.code, 0, driver.d, driver.ddot, driver.d, z, parameters, function.offset)[0]
+            continue
         if memory >= 0:
             z = state[row, memory]
             code, mode = function.memory_code, function.memory_mode
@@ -88,10 +92,12 @@ def accelerate_stage(bodies, joints, functions, parameters, given, state, row, t
     first, since = state.shape[1] // 2 + n, t - given[piece, 0]
     begin_forces(bodies, state, row)
     smallest, culprit = math.inf, NONE
+    for joint in joints:
+        kinematics(bodies, joint, state, row)
     for j in range(joints.size):
         joint = joints[j]
-        d, ddot = kinematics(bodies, joint, state, row)
-        force, guard = joint_force(joint, functions, parameters, state, row, d, ddot)
+        d = joint.d
+        force, guard = joint_force(joints, joint, functions, parameters, state, row, d, joint.ddot)
         if not (math.isfinite(force) and math.isfinite(d)):
             guard = -math.inf
         joint.guard = guard

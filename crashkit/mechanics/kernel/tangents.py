@@ -41,14 +41,19 @@ from crashkit.mechanics.kernel.stand_ins import compiled, inlined, law_partials
 
 
 @inlined
-def joint_partials(joint, functions, parameters, partials, state, row):
-    """Force of a joint and its derivatives to d, ddot and d_max; `partials` then holds those to memories and parameters."""
+def joint_partials(joints, joint, functions, parameters, partials, state, row):
+    """Force of a joint and its derivatives to d, ddot and d_max; `partials` then holds those to memories and parameters, and
+    to the d and ddot of what drives it."""
     d_max = joint.d if joint.loading else joint.d_max
     for f in range(joint.start, joint.stop):
         function = functions[f]
         z = state[row, function.memory] if function.memory >= 0 else 0.0
         code, mode, o = function.code, function.mode, function.offset
-        function.value = law_partials(code, mode, joint.d, joint.ddot, d_max, z, parameters, o, partials[f])
+        if function.driver >= 0:
+            driver = joints[function.driver]
+            function.value = law_partials(code, 0, driver.d, driver.ddot, driver.d, z, parameters, o, partials[f])
+        else:
+            function.value = law_partials(code, mode, joint.d, joint.ddot, d_max, z, parameters, o, partials[f])
     to_d, to_rate, to_d_max, force = 0.0, 0.0, 0.0, 1.0
     for f in range(joint.start, joint.stop):
         force *= functions[f].value
@@ -56,9 +61,10 @@ def joint_partials(joint, functions, parameters, partials, state, row):
             if other != f:
                 for i in range(TO_PARAMETERS + functions[f].count):
                     partials[f, i] *= functions[other].value
-        to_d += partials[f, TO_D]
-        to_rate += partials[f, TO_RATE]
-        to_d_max += partials[f, TO_D_MAX]
+        if functions[f].driver < 0:
+            to_d += partials[f, TO_D]
+            to_rate += partials[f, TO_RATE]
+            to_d_max += partials[f, TO_D_MAX]
     if joint.loading:
         return force, to_d + to_d_max, to_rate, 0.0
     return force, to_d, to_rate, to_d_max
@@ -104,6 +110,18 @@ def parameter_columns(joint, functions, columns, tangent, own, net_tangent, part
         if function.memory >= 0:
             for c in range(tangent.shape[2]):
                 add_force(joint, own, net_tangent, c, partials[f, TO_MEMORY] * tangent[row, function.memory, c])
+
+
+@compiled
+def driver_columns(joints, functions, joint_tangent, net_tangent, partials):
+    """Forces depend on the deformations of the joints that drive them, whose derivatives are known."""
+    for j in range(joints.size):
+        for f in range(joints[j].start, joints[j].stop):
+            if functions[f].driver >= 0:
+                driver = joint_tangent[functions[f].driver]
+                for c in range(joint_tangent.shape[2]):
+                    change = partials[f, TO_D] * driver[DEFORMATION, c] + partials[f, TO_RATE] * driver[RATE, c]
+                    add_force(joints[j], joint_tangent[j], net_tangent, c, change)
 
 
 @compiled
@@ -166,10 +184,11 @@ def accelerate_tangent(
     for i in range(net_tangent.shape[0]):
         for c in range(tangent.shape[2]):
             net_tangent[i, c] = 0.0
+    for joint in joints:
+        kinematics(bodies, joint, state, row)
     for j in range(joints.size):
         joint, own = joints[j], joint_tangent[j]
-        kinematics(bodies, joint, state, row)
-        force, to_d, to_rate, to_d_max = joint_partials(joint, functions, parameters, partials, state, row)
+        force, to_d, to_rate, to_d_max = joint_partials(joints, joint, functions, parameters, partials, state, row)
         push(bodies, joint, force)
         push_tangent(bodies, joint, state, tangent, own, net_tangent, row, force, to_d, to_rate, to_d_max)
         parameter_columns(joint, functions, columns, tangent, own, net_tangent, partials, row)
@@ -179,6 +198,7 @@ def accelerate_tangent(
             if functions[f].memory >= 0:
                 memory = functions[f].memory
                 memory_tangent(joint, functions[f], parameters, state, columns, tangent, own, partials[f], row, size + memory)
+    driver_columns(joints, functions, joint_tangent, net_tangent, partials)
     add_given(bodies, given, t, piece)
     respond_tangent(bodies, net_tangent, state, tangent, row)
     rates_tangent(bodies, state, tangent, row)

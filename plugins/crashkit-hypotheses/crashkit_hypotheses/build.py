@@ -6,6 +6,7 @@ from itertools import product
 import numpy as np
 from attrs import evolve, field, frozen
 
+from crashkit.mechanics.given import side_of
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.model.edit import fresh_name, with_factor, with_joint
 from crashkit.protocols import Proposal
@@ -57,7 +58,7 @@ def at_a_distance(model: Model, joint: Joint, effect: Effect, apart: float) -> l
 
 def linked(model: Model, joint: Joint, driver: Joint, effect: Effect) -> Proposal:
     """A second joint that is deformed as another one is and pushes where `joint` does; on a line."""
-    pair = joint.bodies if _side(model, joint) == _side(model, driver) else joint.bodies[::-1]
+    pair = joint.bodies if side_of(model, joint) == side_of(model, driver) else joint.bodies[::-1]
     own, free_length = dict(effect.parameters), _own_length(driver)
     link = evolve(
         driver, law=effect.law, parameters=own, factors=(), free_length=free_length, acts_on=pair, support=joint.support
@@ -93,6 +94,13 @@ def multiplied(model: Model, joint: Joint, effect: Effect) -> Proposal:
     """A factor on `joint`."""
     augmented = with_factor(model, joint.name, effect.law, effect.parameters)
     return proposal(augmented, {"joint": joint.name}, f"joint.{joint.name}.", effect)
+
+
+def driven(model: Model, joint: Joint, driver: Joint, effect: Effect) -> Proposal:
+    """A factor on `joint` that another joint's deformation drives."""
+    augmented = with_factor(model, joint.name, effect.law, effect.parameters)
+    moved = tuple(evolve(j, driver=driver.name) if j.name == joint.name else j for j in augmented.joints)
+    return proposal(evolve(augmented, joints=moved), {"joint": joint.name}, f"joint.{joint.name}.", effect)
 
 
 def grounded(model: Model, body: Body, effect: Effect, across: bool = False) -> Proposal:
@@ -170,13 +178,6 @@ def _apart(model: Model, joint: Joint) -> float:
     points = joint.points or ((0.0,) * len(model.axes),) * 2
     first, second = (np.add(model.body(name).position, point) for name, point in zip(joint.bodies, points, strict=True))
     return float(np.linalg.norm(second - first))
-
-
-def _side(model: Model, joint: Joint) -> float:
-    """On which side of its first end a joint's second one lies, on a line."""
-    points = joint.points or ((0.0,), (0.0,))
-    first, second = (model.body(name).position[0] + point[0] for name, point in zip(joint.bodies, points, strict=True))
-    return 1.0 if second >= first else -1.0
 
 
 def _own_length(joint: Joint) -> Parameter | None:

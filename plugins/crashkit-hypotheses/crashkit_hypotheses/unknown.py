@@ -9,7 +9,7 @@ from attrs import evolve
 
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import Effect, at_a_distance, between, grounded, linked, multiplied, parallel
+from crashkit_hypotheses.build import Effect, at_a_distance, between, driven, grounded, linked, multiplied, parallel
 from crashkit_hypotheses.sizes import (
     approaching,
     forces_recorded,
@@ -36,6 +36,8 @@ APART = 0.2
 """Of the deformation reached: at least so far apart the ends of a joint may act on each other, at most as far as all of it."""
 RARE = 0.01
 """Odds that they do, against a force that only acts while they touch."""
+SHARE = 0.2
+"""The size that is expected of what another joint's deformation multiplies a force by."""
 LARGE = 0.06
 """The same of a force of the time that several runs have in common, or of what another joint does: no law of the model could
 explain it."""
@@ -45,8 +47,8 @@ class Unknown(Hypothesis):
     """A smooth table f over the range that the recordings cover.
 
     In a joint F = F_law + f(d), unloading in its own way or along f itself, there also where its ends are apart,
-    F_law + f(ddot), F_law (1 + f(ddot)), F_law + f(t) or, on a line, F_law + f(d of another joint); on a body f(t), f(v) or
-    f(travel); between two bodies that no joint joins f(approach).
+    F_law + f(ddot), F_law (1 + f(ddot)), F_law + f(t), F_law (1 + f(d of another joint)) or, on a line, F_law + f(d of
+    another joint); on a body f(t), f(v) or f(travel); between two bodies that no joint joins f(approach).
     """
 
     physics: ClassVar[str] = "unknown"
@@ -83,14 +85,18 @@ class Unknown(Hypothesis):
         ]
 
     def _linked(self, model: Model, joint: Joint, used: Sequence[Joint], motion: Sequence[xr.Dataset]) -> list[Proposal]:
-        """What other joints may do to this one, on a line; asked where all else leaves something."""
-        largest = max(largest_force(motion, joint.name), 1.0)
-        forms = []
-        for other in (one for one in used if set(one.bodies) != set(joint.bodies) and len(model.axes) == 1):
-            own = _of_deformation(largest, largest_deformation(motion, other.name), LARGE)
-            effect = Effect(self.physics, f"{LINKED} {other.name}", "smooth_table", own, "heights")
-            forms.append(evolve(linked(model, joint, other, effect), refined=True))
-        return forms
+        """What other joints may do to this one: multiply its force or, on a line, add to it; asked where all else leaves
+        something."""
+        largest, forms = max(largest_force(motion, joint.name), 1.0), []
+        for other in (one for one in used if set(one.bodies) != set(joint.bodies)):
+            name, reach = f"{LINKED} {other.name}", largest_deformation(motion, other.name)
+            share: Table = {"driver_heights": _heights(1.0, SHARE), "driver_reach": Parameter(reach, fixed=True)}
+            factor = Effect(self.physics, f"{name}, as a factor", "driven_curve", share, "driver_heights")
+            forms.append(driven(model, joint, other, factor))
+            if len(model.axes) == 1:
+                own = _of_deformation(largest, reach, LARGE)
+                forms.append(linked(model, joint, other, Effect(self.physics, name, "smooth_table", own, "heights")))
+        return [evolve(form, refined=True) for form in forms]
 
     def _between(self, model: Model, pair: tuple[str, str], reach: float, motion: Sequence[xr.Dataset]) -> Proposal:
         own = _of_deformation(_largest_at(model, pair, motion), reach)

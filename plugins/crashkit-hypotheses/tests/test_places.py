@@ -85,9 +85,12 @@ def test_what_one_joint_does_in_another_is_deformed_like_the_one_and_pushes_like
     turned = evolve(toy, joints=(toy.joint("first"), evolve(toy.joint("second"), bodies=("rear", "front"))))
     for model in (toy, turned):
         links = {p.form: p.model.joints[-1] for p in propose("unknown", model) if p.refined}
-        assert set(links) == {"deformation of first", "deformation of second"}
+        forms = {f"deformation of {name}{how}" for name in ("first", "second") for how in ("", ", as a factor")}
+        assert set(links) == forms
         assert links["deformation of first"].bodies == ("wall", "front")
         assert links["deformation of first"].acts_on == ("front", "rear")
+        factor = links["deformation of first, as a factor"]
+        assert (factor.name, factor.factors, factor.driver) == ("second", ("driven_curve",), "first")
 
 
 def test_joints_of_the_same_two_bodies_do_nothing_in_each_other(propose, runs):

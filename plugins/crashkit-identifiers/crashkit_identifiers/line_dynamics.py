@@ -25,6 +25,11 @@ class _Spring:
     columns: list[int]
     largest: float = 0.0
 
+    @property
+    def signs(self) -> tuple[float, float]:
+        """In which direction it pushes either body."""
+        return -self.side, self.side
+
 
 class LineDynamics:
     """X' = F(X, U) of one run, with X the positions and then the velocities of the bodies that move.
@@ -97,23 +102,17 @@ class LineDynamics:
         force = np.zeros(self.count)
         by_state, by_parameter = np.zeros((self.count, 2 * self.count)), np.zeros((self.count, len(self.misfit.names)))
         for spring in self._springs:
-            d, rate = self._deformation(spring, state)
-            largest = max(spring.largest, d)
-            numbers = spring.law.numbers(values)
-            own = np.array([[d, rate, largest]])
-            modes = spring.law.modes(INSTANT, own, numbers)
-            (push,), (slopes,) = spring.law.evaluate(INSTANT, own, modes, numbers)
-            by_d = slopes[0] + (slopes[2] if d >= largest else 0.0)
-            signs = (-spring.side, spring.side)
-            for row, sign in zip(spring.pushed, signs, strict=True):
+            push, slopes, senses = self._push(spring, state, values)
+            for row, sign in zip(spring.pushed, spring.signs, strict=True):
                 if row is None:
                     continue
                 force[row] += sign * push
-                for other, against in zip(spring.bodies, signs, strict=True):
-                    if other is not None:
-                        by_state[row, other] -= sign * against * by_d
-                        by_state[row, self.count + other] -= sign * against * slopes[1]
-                for column, slope in zip(spring.columns, slopes[3:], strict=True):
+                for sensed, by_d, by_rate in senses:
+                    for other, against in zip(sensed.bodies, sensed.signs, strict=True):
+                        if other is not None:
+                            by_state[row, other] -= sign * against * by_d
+                            by_state[row, self.count + other] -= sign * against * by_rate
+                for column, slope in zip(spring.columns, slopes, strict=True):
                     if column >= 0:
                         by_parameter[row, column] += sign * slope
         masses = np.array([values[f"body.{name}.mass"] for name in self._moving])
@@ -121,6 +120,20 @@ class LineDynamics:
             if f"body.{name}.mass" in self.misfit.names:
                 by_parameter[row, self.misfit.names.index(f"body.{name}.mass")] = -force[row] / masses[row]
         return force / masses, by_state / masses[:, None], by_parameter / masses[:, None]
+
+    def _push(
+        self, spring: _Spring, state: np.ndarray, values: dict[str, float]
+    ) -> tuple[float, np.ndarray, list[tuple[_Spring, float, float]]]:
+        """N, its derivatives to the law's parameters, and to the deformation and rate of each spring that it depends on."""
+        d, rate = self._deformation(spring, state)
+        largest, numbers = max(spring.largest, d), spring.law.numbers(values)
+        drivers = [one for one in self._springs if one.law.joint.name == spring.law.joint.driver]
+        drive = np.array([[*self._deformation(drivers[0], state), 0.0]]) if drivers else None
+        own = np.array([[d, rate, largest]])
+        modes = spring.law.modes(INSTANT, own, numbers, drive)
+        (push,), (slopes,), (driven,) = spring.law.evaluate(INSTANT, own, modes, numbers, drive)
+        by_d = slopes[0] + (slopes[2] if d >= largest else 0.0)
+        return push, slopes[3:], [(spring, by_d, slopes[1]), *((one, *driven) for one in drivers)]
 
     def _deformation(self, spring: _Spring, state: np.ndarray) -> tuple[float, float]:
         """m and m s-1."""

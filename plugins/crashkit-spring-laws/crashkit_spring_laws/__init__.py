@@ -30,7 +30,7 @@ from crashkit_spring_laws.stops import (
     QuadraticStop,
     TensionSpring,
 )
-from crashkit_spring_laws.tables import RateCurve, RateTable, SmoothTable, TimeTable
+from crashkit_spring_laws.tables import DrivenCurve, RateCurve, RateTable, SmoothTable, TimeTable
 from crashkit_spring_laws.tie import Tie
 
 SPRING_LAWS = (
@@ -78,6 +78,7 @@ SPRING_LAWS = (
     RateTable,
     TimeTable,
     RateCurve,
+    DrivenCurve,
 )
 
 __all__ = [
@@ -89,6 +90,7 @@ __all__ = [
     "CrushPlateau",
     "CrushStop",
     "Dahl",
+    "DrivenCurve",
     "ExponentialStop",
     "Fading",
     "Folding",

@@ -17,6 +17,9 @@ UNLOADING_LENGTH = ParameterSpec(
 WIDTH = 0.8
 """Of a bump, in distances between bumps: wide enough to overlap smoothly, narrow enough to be told apart."""
 
+ROUNDED = 0.02
+"""Of the reach: over so much of it the table of another joint's deformation comes to its end."""
+
 
 class SmoothTable(SpringLaw):
     """A smooth force of the deformation: bumps at even distances between d = 0 and d = reach.
@@ -127,3 +130,30 @@ class RateCurve(SpringLaw):
         for i, height in enumerate(rate_heights):
             total = total + height * math.exp(-(((place - i - 0.5) / WIDTH) ** 2))
         return max(0.0, total)
+
+
+class DrivenCurve(SpringLaw):
+    """A smooth factor of another joint's deformation: 1 + bumps at even distances between d = 0 and d = driver_reach.
+
+    1 + sum_i driver_heights[i] exp(-((n u - i - 1/2) / 0.8)^2), u = (s + 1 - sqrt((s - 1)^2 + 0.02^2)) / 2,
+    s = d / driver_reach; beyond driver_reach about as there.
+    """
+
+    name = "driven_curve"
+    unit = "1"
+    passive = False
+    driven = True
+    parameters = (
+        ParameterSpec("driver_heights", "1", "relative heights of the bumps, of either sign", vector=True, null=0.0),
+        ParameterSpec("driver_reach", "m", "deformation of the driving joint that the bumps cover", lower=1e-6, free=False),
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, driver_heights: list[float], driver_reach: float) -> float:
+        """The factor."""
+        share = d / driver_reach
+        place = 0.5 * (share + 1.0 - math.sqrt((share - 1.0) ** 2 + ROUNDED**2)) * len(driver_heights)
+        total = 1.0
+        for i, height in enumerate(driver_heights):
+            total = total + height * math.exp(-(((place - i - 0.5) / WIDTH) ** 2))
+        return total
