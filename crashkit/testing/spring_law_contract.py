@@ -176,6 +176,15 @@ class SpringLawContract:
                     f"{law.name} at its null and {where(law, point)}: expected 1, found {found:g}"
                 )
 
+    def test_a_driven_law_is_one_smooth_piece(self, law: type[SpringLaw], probe: Probe, derived: list[Derived]) -> None:
+        """What the engine knows of the joint that drives it is where that is, and not which branches it takes there."""
+        for one in derived if law.driven else []:
+            for point in probe.points():
+                assert np.isinf(one.value(point)[1]) and not law.memory, (
+                    f"{law.name} is driven: expected one smooth piece, without branches, min, max, abs and memory, "
+                    f"found the end of a branch near {where(law, point)}"
+                )
+
     def test_a_factor_never_turns_a_force_round(self, law: type[SpringLaw], probe: Probe) -> None:
         if law.unit == "1":
             for point in probe.points():

@@ -127,6 +127,11 @@ FAULTS = [
         "expected 0 or more, found -",
     ),
     (
+        "test_a_driven_law_is_one_smooth_piece",
+        spoilt(driven=True),
+        "linear is driven: expected one smooth piece, .* found the end of a branch near d = ",
+    ),
+    (
         "test_a_jump_does_not_hold_the_joint",
         law_of(lambda d, ddot, d_max: 1e5 * max(0.0, d) * (1.5 if ddot > 0.0 else 0.5), jumps=True),
         r"linear rises by a jump of .* with the rate at d = .*: expected a smooth rise, such as tanh\(ddot / slip_rate\)",

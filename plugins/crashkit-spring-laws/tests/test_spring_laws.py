@@ -18,6 +18,7 @@ from crashkit_spring_laws import (
     CrushPlateau,
     CrushStop,
     Dahl,
+    DrivenCurve,
     ExponentialStop,
     Fading,
     Folding,
@@ -106,6 +107,7 @@ EXAMPLES = [
     (SmoothTable, {"heights": [1e4, -2e4, 3e4], "reach": 0.6}),
     (RateTable, {"heights": [-1e4, 0.0, 2e4, 3e4], "reach": 10.0}),
     (RateCurve, {"rate_heights": [-0.4, 0.0, 0.2, 0.1], "rate_reach": 10.0}),
+    (DrivenCurve, {"driver_heights": [-0.4, 0.0, 0.2, 0.1], "driver_reach": 0.6}),
     (MeasuredCurve, MEASURED),
     (MeasuredCurve, MEASURED | {"unloading_stiffness": 2e6, "clearance": 0.1}),
     (PointedPeak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": 0.06}),
@@ -423,6 +425,14 @@ def test_tables():
     factors = [value(RateCurve, 0.1, ddot=rate, rate_heights=[-0.1, 0.2], rate_reach=10.0) for rate in (-5.0, 5.0)]
     assert factors == pytest.approx([0.9 + 0.2 * share, 1.2 - 0.1 * share])
     assert value(RateCurve, 0.1, ddot=5.0, rate_heights=[0.0, -2.0], rate_reach=10.0) == 0.0
+
+
+def test_a_driven_factor_stays_beyond_its_reach_as_it_is_there():
+    share, table = math.exp(-1.0 / 0.64), {"driver_heights": [-0.1, 0.2], "driver_reach": 0.6}
+    within = [value(DrivenCurve, d, **table) for d in (0.15, 0.45)]
+    assert within == pytest.approx([0.9 + 0.2 * share, 1.2 - 0.1 * share], abs=1e-3)
+    end, beyond = (value(DrivenCurve, d, **table) for d in (0.61, 2.0))
+    assert beyond == pytest.approx(end, abs=0.01) and beyond > 1.1
 
 
 def test_a_force_of_the_time_acts_whether_or_not_there_is_contact():
