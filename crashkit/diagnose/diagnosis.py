@@ -10,7 +10,7 @@ from attrs import evolve
 
 from crashkit.campaign import one_thread
 from crashkit.diagnose.fitting.contest import Progress
-from crashkit.diagnose.fitting.evidence import FLOOR, STRAINED, UNEXPLAINED, is_at_noise
+from crashkit.diagnose.fitting.evidence import STRAINED, UNEXPLAINED, is_at_noise
 from crashkit.diagnose.fitting.in_time import TimeLimit, in_time
 from crashkit.diagnose.fitting.reidentify import refine, reidentify
 from crashkit.diagnose.fitting.search import STEPS, Search, begin
@@ -134,7 +134,7 @@ def _contradicted(
     workshop = workshop.equipped([final.model])
     unseen = weighed_alike(workshop.first_misfit(final.model, holdout), final)
     normalised = partial(_normalised, told_only=bool(discovery.rounds))
-    if normalised(final) > FLOOR or normalised(unseen) < UNEXPLAINED:
+    if normalised(final) > UNEXPLAINED or normalised(unseen) < UNEXPLAINED:
         return False
     both = in_the_light_of(workshop, model, {**recordings, **holdout}, final)
     together = refine(workshop.identifier, workshop.misfit(both, final.model))
