@@ -51,7 +51,8 @@ def discovered(inquiry: Inquiry) -> Discovery:
         return found
     wide = in_time(_won(base, near), _widely, inquiry, near, found)
     told = wide if found is None else _cheaper(found, wide)
-    return _where_it_acts(inquiry, in_time(told, linked_instead, inquiry, told))
+    linked = in_time(told, linked_instead, inquiry, told)
+    return _where_it_acts(inquiry, told) if linked is told else linked
 
 
 def _is_wrong_beside_more(near: Round) -> bool:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from attrs import evolve
 
+from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name.linked import linked_instead
 from crashkit.diagnose.name.look import Round, look_again
@@ -13,6 +14,7 @@ from crashkit.diagnose.name.rounds import Discovery
 from crashkit.diagnose.result import place_of
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_joint
+from crashkit.protocols import Proposal
 from crashkit.testing import toys
 
 
@@ -66,3 +68,12 @@ def test_what_leaves_little_or_accuses_an_instrument_stays(asked):
     assert linked_instead(inquiry, accused) is accused
     nothing = Discovery(wrong.base, wrong.base, inquiry.base, (), Round((), (), 1.0, wrong.base))
     assert linked_instead(inquiry, nothing) is nothing
+
+
+def test_where_there_is_but_one_joint_nothing_is_asked(workshop, misfit, recorded, inquiry, model):
+    base = begin(workshop.identifier, misfit(model, run=recorded(model))).advance(3)
+    only = inquiry(base, hypotheses={"unknown": workshop.hypotheses["unknown"]})
+    claim = Rival(Proposal("fracture", "", {"joint": "first"}, None, (), {}), base, 9.0, 4.0)
+    look = Round((claim,), (1.0,), 0.0, base.fitted())
+    found = Discovery(base.fitted(), base.fitted(), SimpleNamespace(normalised=2.0, excess=3.0), (look,))
+    assert linked_instead(only, found) is found
