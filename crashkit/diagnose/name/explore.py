@@ -12,7 +12,7 @@ from crashkit.diagnose.name.beginnings import begun_otherwise
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.linked import linked_instead
-from crashkit.diagnose.name.look import FORM_ERRORS, Round, between, is_of_readings, look_again
+from crashkit.diagnose.name.look import FORM_ERRORS, Round, between, is_of_readings, led, look_again
 from crashkit.diagnose.name.needed import price
 from crashkit.diagnose.name.pairs import both, named_before_unknown
 from crashkit.diagnose.name.rivals import CONCEALED, may_conceal
@@ -117,9 +117,8 @@ def _where_it_acts(inquiry: Inquiry, found: Discovery) -> Discovery:
     if estimate is None:
         return found
     others = [rival for rival in look.rivals if rival is not estimate]
-    first = between(look, [estimate, *others])
     # What the equations say is in no evidence: that is of the recordings, and puts the estimate further down.
-    first = evolve(first, probabilities=tuple(sorted(first.probabilities, reverse=True)))
+    first = led(between(look, [estimate, *others]))
     return evolve(found, final=estimate.search.fitted(), search=estimate.search, rounds=(first,), pointer=pointer)
 
 

@@ -6,7 +6,7 @@ from crashkit.diagnose.fitting.contest import propose_all
 from crashkit.diagnose.fitting.evidence import FAR_LESS, UNEXPLAINED, Rival, best_forms, ranked_by_evidence
 from crashkit.diagnose.fitting.regress import opened, regressed
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Round, between, is_of_readings
+from crashkit.diagnose.name.look import between, is_of_readings, led
 from crashkit.diagnose.name.rounds import Discovery
 from crashkit.diagnose.result import UNKNOWN
 
@@ -26,7 +26,7 @@ def linked_instead(inquiry: Inquiry, found: Discovery) -> Discovery:
     told = found.rounds[0]
     others = [rival for rival in told.rivals if rival.identity not in {form.identity for form in forms}]
     first = between(evolve(told, before=inquiry.base.fitted()), [*forms, *(others if len(found.rounds) == 1 else [])])
-    return Discovery(found.base, forms[0].search.fitted(), forms[0].search, (_led(first),))
+    return Discovery(found.base, forms[0].search.fitted(), forms[0].search, (led(first),))
 
 
 def _forces(inquiry: Inquiry) -> list[Rival]:
@@ -36,8 +36,3 @@ def _forces(inquiry: Inquiry) -> list[Rival]:
     ends = opened(equipped, inquiry.given, proposals, inquiry.progress)
     fitted = regressed(equipped, inquiry.given, proposals, ends, inquiry.progress)
     return best_forms(ranked_by_evidence(fitted, inquiry.base.deviance))
-
-
-def _led(look: Round) -> Round:
-    """The round with the chances that an estimate has which is believed because others leave too much."""
-    return evolve(look, probabilities=tuple(sorted(look.probabilities, reverse=True)))

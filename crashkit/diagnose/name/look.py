@@ -144,3 +144,8 @@ def between(look: Round, rivals: Sequence[Rival]) -> Round:
     """The round as these rivals, the first ahead, would have it among themselves."""
     chances, nothing = probabilities(rivals, len(rivals))
     return evolve(look, rivals=tuple(rivals), probabilities=tuple(chances.tolist()), nothing=nothing)
+
+
+def led(look: Round) -> Round:
+    """The round whose first rival is told for other reasons than its evidence, and has the best chances."""
+    return evolve(look, probabilities=tuple(sorted(look.probabilities, reverse=True)))
