@@ -1,6 +1,6 @@
 """What every Observer's `predict` begins and ends with: error parameters by channel, places in a motion, coordinates."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 
 import numpy as np
@@ -17,6 +17,23 @@ ROCKING = (
     ParameterSpec("rocking_damping", "1", "its damping, of critical", 1e-3, 0.99, 0.3, null=0.3),
 )
 """Of a sensor on a body that turns about an axis which the model leaves out: u + share (ringing(u) - u), see `ringing`."""
+
+CLOCK = (
+    ParameterSpec("clock_offset", "s", "how late the time stamps are", -0.05, 0.05, default=0.0, null=0.0),
+    ParameterSpec("clock_rate", "1", "how much later the time stamps get in every second", -0.05, 0.05, default=0.0, null=0.0),
+)
+"""Of a whole instrument, see `true_times`."""
+CLOCK_ERRORS = tuple(spec.name for spec in CLOCK)
+
+
+def true_times(stamps: np.ndarray, own: Mapping[str, np.ndarray]) -> np.ndarray:
+    """When the samples of an instrument were taken: t (1 - clock_rate) - clock_offset, s.
+
+    Arguments:
+        stamps: t, (time,) s.
+        own: error parameters of its channels, as `error_values` returns them.
+    """
+    return np.asarray(stamps * (1.0 - own["clock_rate"][0, 0]) - own["clock_offset"][0, 0])
 
 
 def error_values(

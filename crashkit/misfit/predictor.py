@@ -48,8 +48,8 @@ class Predictor:
         self._columns = [self.names.index(name) for name in self._structural]
         self._fixed = _moved(model, simulator.model)
         self._initial = {run: initial_state(recording, model) for run, recording in recordings.items()}
-        margin = _clock_margin(model)
-        self._times = {run: _instants([g.times for g in self.groups if g.run == run], margin) for run in recordings}
+        stamps = {run: [group.times for group in self.groups if group.run == run] for run in recordings}
+        self._times = {run: _instants(times, _clock_margin(model, times)) for run, times in stamps.items()}
 
     @property
     def longest_gap(self) -> float:
@@ -177,10 +177,12 @@ def _moved(model: Model, compiled: Model) -> dict[str, float]:
     return {name: value for name, value in fixed.items() if value != own[name].value}
 
 
-def _clock_margin(model: Model) -> float:
-    """How far a free clock may reach beyond the last time stamp."""
-    clocks = [p for entry in model.instruments for name, p in entry.parameters.items() if name == "clock_offset"]
-    return max((abs(bound) for p in clocks for bound in (p.lower, p.upper) if np.isfinite(bound)), default=0.0)
+def _clock_margin(model: Model, stamps: Sequence[np.ndarray]) -> float:
+    """How far the free clocks may reach beyond the last time stamp."""
+    reach = {"clock_offset": 1.0, "clock_rate": max((float(times.max(initial=0.0)) for times in stamps), default=0.0)}
+    clocks = [(reach[name], p) for entry in model.instruments for name, p in entry.parameters.items() if name in reach]
+    margins = [far * max(abs(p.lower), abs(p.upper)) for far, p in clocks]
+    return sum(margin for margin in margins if np.isfinite(margin))
 
 
 def _instants(stamps: Sequence[np.ndarray], margin: float) -> np.ndarray:

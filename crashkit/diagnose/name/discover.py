@@ -83,7 +83,7 @@ def _clock(inquiry: Inquiry, late: Mapping[str, float]) -> Round:
     claims = [p for p in propose_all(workshop, current) if p.physics == CLOCK and p.location["instrument"] in late]
     fitted = []
     for claim in claims:
-        instrument, (path,) = str(claim.location["instrument"]), claim.parameters
+        instrument, path = str(claim.location["instrument"]), claim.parameters[0]
         right = workshop.first_misfit(given.model, on_time(given.recordings, instrument, late[instrument]))
         search = reidentify(workshop, right.with_prior(given.prior.std))
         values = {**search.misfit.values(search.point), path: late[instrument]}

@@ -105,7 +105,7 @@ def open_claims(inquiry: Inquiry, current: Misfit, found: Sequence[Rival]) -> li
     """Every hypothesis at every place of the given model, built on the current one, that has not been found already."""
     known = {rival.identity for rival in found}
     proposals, model = propose_all(inquiry.workshop, current), inquiry.given.model
-    return [p for p in proposals if identity(p) not in known and _is_given(model, p.location)]
+    return [p for p in proposals if identity(p) not in known and is_given(model, p.location)]
 
 
 def least_drop(found: Sequence[Rival]) -> float:
@@ -131,7 +131,7 @@ def is_of_readings(proposal: Proposal) -> bool:
     return not {"sensor", "instrument"}.isdisjoint(proposal.location)
 
 
-def _is_given(model: Model, location: Mapping[str, object]) -> bool:
+def is_given(model: Model, location: Mapping[str, object]) -> bool:
     """What a finding has added is not itself a place for further physics."""
     bodies, joints = {body.name for body in model.bodies}, {joint.name for joint in model.joints}
     named = {"joint": joints, "body": bodies, "bodies": bodies}

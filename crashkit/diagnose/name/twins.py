@@ -9,10 +9,11 @@ from crashkit.diagnose.fitting.evidence import Rival, best_forms, is_unknown, ra
 from crashkit.diagnose.fitting.rebuild import rebuild
 from crashkit.diagnose.fitting.search import Search, begin, begin_all
 from crashkit.diagnose.name.forms import with_form
-from crashkit.diagnose.name.look import Round, between
+from crashkit.diagnose.name.look import Round, between, is_given
 from crashkit.diagnose.name.rounds import Discovery
 from crashkit.diagnose.result import own_name
 from crashkit.diagnose.workshop import Workshop
+from crashkit.model import Model
 
 HEATS = ((30, 6), (3, 40))
 """How many enter each, and how many steps each gets there."""
@@ -39,7 +40,7 @@ def _beside_twins(workshop: Workshop, discovery: Discovery, look: Round) -> Roun
     without = (
         None if is_unknown(winner) else rebuild(workshop, begin(workshop.identifier, discovery.base), others, winner.search)
     )
-    twins = [] if without is None else _twins(workshop, without, winner, others)
+    twins = [] if without is None else _twins(workshop, discovery.base.model, without, winner, others)
     if without is None or not twins:
         return look
     fitted = ranked_by_evidence(heats(twins, HEATS, lambda doing, share: None), winner.search.deviance + winner.drop)
@@ -48,12 +49,12 @@ def _beside_twins(workshop: Workshop, discovery: Discovery, look: Round) -> Roun
     return between(evolve(look, before=without.fitted()), best_forms([leading, *rivals]))
 
 
-def _twins(workshop: Workshop, without: Search, winner: Rival, others: Sequence[Rival]) -> list[Entrant]:
-    """Searches of all claims of the same numbers, from where they are, beside the other findings."""
+def _twins(workshop: Workshop, model: Model, without: Search, winner: Rival, others: Sequence[Rival]) -> list[Entrant]:
+    """Searches of all claims of the same numbers at places of a model, from where they are, beside the other findings."""
     numbers = _numbers(winner)
     origin, known = without.misfit.with_values_of(winner.search.fitted()), {rival.identity for rival in (winner, *others)}
     alike = [p for p in propose_all(workshop, origin) if {own_name(path) for path in p.parameters} == set(numbers)]
-    twins = [twin for twin in alike if identity(twin) not in known]
+    twins = [twin for twin in alike if identity(twin) not in known and is_given(model, twin.location)]
     equipped = workshop.equipped([twin.model for twin in twins])
     starts = [{path: numbers[own_name(path)] for path in twin.parameters} for twin in twins]
     misfits = [with_form(equipped, origin, twin, start) for twin, start in zip(twins, starts, strict=True)]

@@ -3,12 +3,12 @@
 import numpy as np
 import xarray as xr
 
-from crashkit.data.instrument_errors import ROCKING
+from crashkit.data.instrument_errors import CLOCK_ERRORS, ROCKING
 from crashkit.data.schema import Attribute, GroupSchema, Variable
 from crashkit.errors import CrashkitError
 from crashkit.protocols import PlainObserver, Reading, SensorErrors
 from crashkit_accelerometers.chain import Own
-from crashkit_accelerometers.error_specs import AXES, CLOCK, LEAN, POSITION_ERRORS, channel_errors
+from crashkit_accelerometers.error_specs import AXES, LEAN, POSITION_ERRORS, channel_errors
 from crashkit_accelerometers.point_acceleration import felt_by_points
 from crashkit_accelerometers.rigid_body import rigid_body_motion
 from crashkit_accelerometers.sensor_channel import (
@@ -49,7 +49,7 @@ class Accelerometer(PlainObserver):
     quantity = "acceleration"
     channel = "sensor"
     errors = (*channel_errors("m s-2", full_scale=1000.0), LEAN, *POSITION_ERRORS, *ROCKING)
-    instrument_errors = CLOCK
+    instrument_errors = CLOCK_ERRORS
 
     def predict(self, motion: xr.Dataset, instrument: xr.Dataset, errors: SensorErrors | None = None) -> xr.Dataset:
         """The sensors' accelerations, as `Observer.predict` says."""

@@ -2,13 +2,10 @@
 
 import math
 
+from crashkit.data.instrument_errors import CLOCK
 from crashkit.protocols import ParameterSpec
 
 AXES = ("x", "y", "z")
-CLOCK = ("clock_offset", "clock_rate")
-"""What all channels of an instrument share."""
-
-
 UNITS = {"m s-2": ("m s-3", "s2 m-1", "s4 m-2"), "N": ("N s-1", "N-1", "N-2")}
 """Of a rate, and of the reciprocal and its square, by the unit itself."""
 
@@ -43,8 +40,7 @@ def channel_errors(unit: str, full_scale: float) -> tuple[ParameterSpec, ...]:
         _around_null("resonance_share", "1", "how much of the reading comes through a ringing mount", 1.0),
         _shape("resonance_frequency", "s-1", "natural frequency of the mount", 10.0, 2e4, 500.0),
         _shape("resonance_damping", "1", "damping of the mount, of critical", 1e-3, 0.99, 0.05),
-        _around_null("clock_offset", "s", "how late the time stamps are", 0.05),
-        _around_null("clock_rate", "1", "how much later the time stamps get in every second", 0.05),
+        *CLOCK,
     )
 
 

@@ -3,10 +3,11 @@
 import numpy as np
 import xarray as xr
 
+from crashkit.data.instrument_errors import CLOCK_ERRORS
 from crashkit.data.schema import GroupSchema, Variable
 from crashkit.errors import CrashkitError
 from crashkit.protocols import PlainObserver, Reading, SensorErrors
-from crashkit_accelerometers.error_specs import CLOCK, channel_errors
+from crashkit_accelerometers.error_specs import channel_errors
 from crashkit_accelerometers.sensor_channel import (
     CHANNEL_FREQUENCY_CLASS,
     DIMS,
@@ -35,7 +36,7 @@ class LoadCell(PlainObserver):
     quantity = "force"
     channel = "sensor"
     errors = channel_errors("N", full_scale=1e6)
-    instrument_errors = CLOCK
+    instrument_errors = CLOCK_ERRORS
 
     def predict(self, motion: xr.Dataset, instrument: xr.Dataset, errors: SensorErrors | None = None) -> xr.Dataset:
         """The force on each cell's body, as `Observer.predict` says; needs `contact_force` (time, body, axis) of the motion.

@@ -7,7 +7,7 @@ import xarray as xr
 from attrs import frozen
 from xarray.core.indexing import LazilyIndexedArray
 
-from crashkit.data.instrument_errors import error_values, positions, prediction_coordinates
+from crashkit.data.instrument_errors import error_values, positions, prediction_coordinates, true_times
 from crashkit.data.schema import Attribute
 from crashkit.errors import CrashkitError
 from crashkit.protocols import Observer, Reading, SensorErrors
@@ -129,7 +129,7 @@ class Channels:
 
     def _at(self) -> tuple[np.ndarray, slice]:
         """When the samples were taken of which the motion tells, and which they are."""
-        at = self.times * (1.0 - self.own["clock_rate"][0, 0]) - self.own["clock_offset"][0, 0]
+        at = true_times(self.times, self.own)
         known = self.felt.known(at)
         return at[known], known
 

@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 import xarray as xr
 
-from crashkit.data.instrument_errors import error_values, prediction_coordinates
+from crashkit.data.instrument_errors import CLOCK, CLOCK_ERRORS, error_values, prediction_coordinates, true_times
 from crashkit.data.schema import GroupSchema, Variable
 from crashkit.data.schemas import body_of, point_of, std_of
 from crashkit.protocols import Observer, ParameterSpec, SensorErrors
@@ -23,8 +23,8 @@ CALIBRATING = ("control_position", "control_image", "control_position_std", "ima
 class Camera(Observer):
     """Markers as one or several cameras see them, and control points by which the cameras are calibrated.
 
-    z(t) = u_0 + gain (u(t - clock_offset) - u_0) + bias, with u the image of the marker, and u_0 where it is at the motion's
-    start.
+    z(t) = u_0 + gain (u(t (1 - clock_rate) - clock_offset) - u_0) + bias, with u the image of the marker, and u_0 where it is
+    at the motion's start.
     """
 
     name = "camera"
@@ -66,9 +66,9 @@ class Camera(Observer):
     errors = (
         ParameterSpec("gain", "1", "recorded displacement per displacement", 0.2, 5.0, default=1.0, null=1.0),
         ParameterSpec("bias", "pixel", "offset of the recorded place", default=0.0, null=0.0),
-        ParameterSpec("clock_offset", "s", "how late the time stamps are", -0.05, 0.05, default=0.0, null=0.0),
+        *CLOCK,
     )
-    instrument_errors = ("clock_offset",)
+    instrument_errors = CLOCK_ERRORS
 
     def predict(self, motion: xr.Dataset, instrument: xr.Dataset, errors: SensorErrors | None = None) -> xr.Dataset:
         """The markers' images, as `Observer.predict` says, through the cameras that the control points calibrate.
@@ -78,7 +78,8 @@ class Camera(Observer):
         cameras = _cameras(instrument)
         markers = instrument.variables["marker"].values.tolist()
         own = error_values(self, markers, ["u", "v"], errors)
-        at = instrument.variables["time"].values - own["clock_offset"][0, 0]
+        stamps = instrument.variables["time"].values
+        at = true_times(stamps, own)
         bodies, points = instrument.variables["marker_body"].values.tolist(), instrument.variables["marker_point"].values
         seen = marker_motion(self, motion, bodies, points, AXES, at, in_space=True)
         image, slope = _images(cameras, seen.position)
@@ -87,7 +88,8 @@ class Camera(Observer):
         gain, bias = own["gain"], own["bias"]
         displacement = image - start
         rate = (slope @ seen.velocity[:, None, :, :, None])[..., 0]
-        derivatives = np.stack([displacement, np.ones_like(image), -gain * rate], axis=-1)
+        late = -gain * rate, -gain * rate * stamps[:, None, None, None]
+        derivatives = np.stack([displacement, np.ones_like(image), *late], axis=-1)
         predicted = {
             "image_position": xr.Variable(DIMS, start + gain * displacement + bias, {"units": "pixel"}),
             "image_position_error_sensitivity": xr.Variable((*DIMS, "error"), derivatives),

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from crashkit.data.instrument_errors import ROCKING, error_values, prediction_coordinates
+from crashkit.data.instrument_errors import CLOCK, CLOCK_ERRORS, ROCKING, error_values, prediction_coordinates, true_times
 from crashkit.data.schema import GroupSchema, Variable
 from crashkit.data.schemas import body_of, point_of, std_of
 from crashkit.protocols import ParameterSpec, PlainObserver, Reading, SensorErrors
@@ -17,8 +17,8 @@ DIMS = ("time", "marker", "axis")
 class Film(PlainObserver):
     """Markers on bodies, which may turn.
 
-    z(t) = y_0 + gain (y(t - clock_offset) - y_0) + bias, with y = x + R p the place of the point p of a body at x, turned by
-    R, and y_0 where it is at the motion's start; y + share w on a body that rocks, see `Rocking`.
+    z(t) = y_0 + gain (y(t (1 - clock_rate) - clock_offset) - y_0) + bias, with y = x + R p the place of the point p of a body
+    at x, turned by R, and y_0 where it is at the motion's start; y + share w on a body that rocks, see `Rocking`.
     """
 
     name = "film"
@@ -36,17 +36,18 @@ class Film(PlainObserver):
     errors = (
         ParameterSpec("gain", "1", "recorded displacement per displacement", 0.2, 5.0, default=1.0, null=1.0),
         ParameterSpec("bias", "m", "offset of the recorded position", default=0.0, null=0.0),
-        ParameterSpec("clock_offset", "s", "how late the time stamps are", -0.05, 0.05, default=0.0, null=0.0),
+        *CLOCK,
         *ROCKING,
     )
-    instrument_errors = ("clock_offset",)
+    instrument_errors = CLOCK_ERRORS
 
     def predict(self, motion: xr.Dataset, instrument: xr.Dataset, errors: SensorErrors | None = None) -> xr.Dataset:
         """The markers' positions, as `Observer.predict` says."""
         axes = instrument.variables["axis"].values.tolist()
         own = error_values(self, instrument.variables["marker"].values.tolist(), axes, errors)
         gain, bias = own["gain"], own["bias"]
-        at = instrument.variables["time"].values - own["clock_offset"][0, 0]
+        stamps = instrument.variables["time"].values
+        at = true_times(stamps, own)
         points = instrument.variables["marker_point"].values
         seen = marker_motion(self, motion, instrument.variables["marker_body"].values.tolist(), points, axes, at)
 
@@ -57,7 +58,8 @@ class Film(PlainObserver):
         if share.any():
             displacement, velocity = displacement + share * aside, velocity + share * rocking.rate()
             by_shape = rocking.derivatives()
-        slopes = (displacement, np.ones_like(aside), -gain * velocity, gain * aside, *(gain * share * one for one in by_shape))
+        late = -gain * velocity, -gain * velocity * stamps[:, None, None]
+        slopes = (displacement, np.ones_like(aside), *late, gain * aside, *(gain * share * one for one in by_shape))
         predicted = {
             "position": xr.Variable(DIMS, seen.start + gain * displacement + bias, {"units": "m"}),
             "position_error_sensitivity": xr.Variable((*DIMS, "error"), np.stack(slopes, axis=-1)),

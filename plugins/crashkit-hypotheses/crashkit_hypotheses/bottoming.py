@@ -25,8 +25,8 @@ class Bottoming(Hypothesis):
     sentence: ClassVar[str] = "{place} bottoms out: it stiffens sharply at large deformation"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """A line, a parabola, a lock and an exponential at every joint that is compressed, in its law and beside it, and a
-        power beside it, from several engagements."""
+        """A line, a parabola, a lock, an exponential and a power at every joint that is compressed, in its law and beside it,
+        from several engagements."""
         reached = {joint.name: largest_deformation(motion, joint.name) for joint in model.joints}
         return [
             form
@@ -49,7 +49,7 @@ class Bottoming(Hypothesis):
         power = {
             "force": Parameter(0.0, 0.0, 1e8),
             "stop_deformation": stop,
-            "exponent": Parameter(1.5, 1.0, 4.0),
+            "exponent": Parameter(2.5, 1.0, 4.0),
             "way": Parameter(0.3 * reached, fixed=True),
         }
         starts = grid(stop_deformation=[share * reached for share in SHARES])
@@ -58,11 +58,10 @@ class Bottoming(Hypothesis):
             Effect(self.physics, "parabola", "quadratic_stop", parabola, "coefficient", starts),
             Effect(self.physics, "locking", "locking_stop", lock, "stiffness", starts),
             Effect(self.physics, "exponential", "exponential_stop", growth, "force", starts),
+            Effect(self.physics, "power", "power_stop", power, "force", starts),
         )
-        # Of the rate too, and so it is not crushed with a law.
-        contact = Effect(self.physics, "power", "hunt_crossley", power, "force", starts)
         crushed = [added(model, joint, stop) for stop in stops]
-        elastic = [parallel(model, joint, evolve(stop, form=f"{stop.form}, both ways")) for stop in (*stops, contact)]
+        elastic = [parallel(model, joint, evolve(stop, form=f"{stop.form}, both ways")) for stop in stops]
         # A law that takes nothing more has both beside it.
         known = [stop.model for stop in crushed]
         distinct = [*crushed, *(stop for stop in elastic if stop.model not in known)]

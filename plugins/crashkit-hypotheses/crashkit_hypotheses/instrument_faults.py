@@ -4,15 +4,19 @@ from collections.abc import Mapping, Sequence
 from typing import ClassVar, TypeAlias
 
 import xarray as xr
+from attrs import evolve
 
 from crashkit.model import Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.accused import accused, each_channel, fault
+from crashkit_hypotheses.accused import Accused, accused, each_channel, fault
 from crashkit_hypotheses.build import grid
 
 Fault: TypeAlias = tuple[dict[str, Parameter], str, Sequence[Mapping[str, float]]]
 """The errors of a sensor, the one without which it is right, and where to start."""
 
+GAIN = Parameter(1.0, 0.2, 5.0)
+BENDS = {"quadratic": 2, "cubic": 3}
+"""Powers of the reading with which the sensitivity may change."""
 SHIFT = ("zero_shift", "zero_shift_time", "zero_shift_rise")
 MOMENTS = (0.1, 0.3, 0.6)
 """Shares of the time recorded at which the zero may shift, to start from."""
@@ -21,7 +25,7 @@ SLOW, SLOWEST = 0.03, 0.1
 
 
 class GainError(Hypothesis):
-    """recorded = g x true, g other than 1.
+    """recorded = g true, g other than 1, or g true + c true^2, or g true + c true^3.
 
     Along one axis a sensor that is tilted by an angle reads cos(angle) of the truth, and gravity, if that is not balanced out:
     else no recording of that axis alone tells the two apart.
@@ -34,13 +38,22 @@ class GainError(Hypothesis):
     sensor: ClassVar[bool] = True
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Every sensor, from a fifth to five times the stated sensitivity."""
-        gain = {"gain": Parameter(1.0, 0.2, 5.0)}
-        return [
+        """Every sensor, from a fifth to five times the stated sensitivity; one that changes with the reading, where the
+        Observer knows of it."""
+        constant = [
             proposal
             for one in accused(model, recordings, ["gain"])
-            for proposal in each_channel(self.physics, "constant", model, one, gain, "gain")
+            for proposal in each_channel(self.physics, "constant", model, one, {"gain": GAIN}, "gain")
         ]
+        return [
+            *constant,
+            *(self._bent(model, one, term) for term in BENDS for one in accused(model, recordings, ["gain", term])),
+        ]
+
+    def _bent(self, model: Model, one: Accused, term: str) -> Proposal:
+        largest = one.largest ** (1 - BENDS[term]) if one.largest else 1.0
+        gain = {"gain": GAIN, term: Parameter(0.0, -largest, largest)}
+        return evolve(fault(self.physics, term, model, one, gain, "gain"), refined=True)
 
 
 class Bias(Hypothesis):
@@ -79,18 +92,20 @@ def _shift(largest: float, duration: float) -> Fault:
 
 
 class ClockOffset(Hypothesis):
-    """recorded(t) = true(t - tau)."""
+    """recorded(t) = true(t - tau), or true(t (1 - r) - tau): a clock that is late, or gets later."""
 
     physics: ClassVar[str] = "clock_offset"
     sentence: ClassVar[str] = "the clock of {place} is shifted against the others"
     sensor: ClassVar[bool] = True
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Every instrument, within 20 ms."""
-        offset = {"clock_offset": Parameter(0.0, -0.02, 0.02)}
+        """Every instrument, within 20 ms; one whose clock runs fast or slow, where the Observer knows of it."""
+        offset, rate = Parameter(0.0, -0.02, 0.02), Parameter(0.0, -0.05, 0.05)
+        forms = {"constant": {"clock_offset": offset}, "drift": {"clock_offset": offset, "clock_rate": rate}}
         return [
-            fault(self.physics, "constant", model, one, offset, "clock_offset")
-            for one in accused(model, recordings, ["clock_offset"])
+            evolve(fault(self.physics, form, model, one, clock, "clock_offset"), refined=len(clock) > 1)
+            for form, clock in forms.items()
+            for one in accused(model, recordings, list(clock))
         ]
 
 

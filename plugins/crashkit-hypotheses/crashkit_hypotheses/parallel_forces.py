@@ -10,10 +10,12 @@ from attrs import evolve
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import Effect, added, grid, multiplied, parallel, pushing_beside
-from crashkit_hypotheses.sizes import largest_deformation, largest_extension, largest_rate
+from crashkit_hypotheses.sizes import largest_deformation, largest_extension, largest_rate, largest_recoil
 
 BEFORE = 1.6
 """Times the deformation at which the plateau begins: a peak beyond that is none before the plateau."""
+PASSED = 0.85
+"""Of the deformation reached: a peak that is hardly passed shows as a rise alone, which is no peak."""
 PROPORTIONAL = 0.9
 """Of the largest force per deformation."""
 FIRST = 0.02
@@ -26,6 +28,10 @@ TAIL = {"tail": Parameter(1.0, -0.5, 2.5)}
 """Of smooth friction that is long in reaching its full force."""
 REFINED = ("smooth and falling", "smooth with a tail")
 """The forms of friction that are only tried where another was found: they take many shapes."""
+MOST_RISING = -0.5
+"""Of friction that rises with the rate, what it has less at first: more would be a damper."""
+SPRUNG_BACK = 0.5
+"""Share of its deformation from which on a joint that springs back may part, with friction or another load."""
 SLOWEST = 0.5
 """m/s, below which friction is not asked how it changes with the rate."""
 LATEST, LAST = 0.3, 0.5
@@ -34,6 +40,8 @@ FOLDS = (2.0, 2.75, 3.5, 4.5, 5.5, 6.5, 8.0, 10.0, 12.5)
 """How many folds to start from: a search only finds the number that is nearest."""
 LONGEST, LONGEST_SHAPED = 0.5, 0.4
 """Of the deformation reached: what is longer does not repeat. It could be any force, above all in folds of any shape."""
+FADING = 0.7
+"""Logarithm by which each fold may be lower: what loses more than half with every fold does not repeat either."""
 SKEW = 0.1
 """To start from: without skew, folds are a sine, which has no derivative to it."""
 PHASES = (0.0, -1 / 3, 1 / 3)
@@ -54,13 +62,13 @@ class ViscousDamping(Hypothesis):
     def _forms(self, model: Model, joint: Joint) -> list[Proposal]:
         damping = {"damping": Parameter(0.0, 0.0, 1e7)}
         exponent = {**damping, "exponent": Parameter(0.7, 0.2, 3.0)}
-        rebound = {**damping, "exponent": Parameter(1.0, fixed=True), "rebound": Parameter(1.0, 0.0, 10.0)}
+        rebound = {**damping, "exponent": Parameter(1.0, 0.2, 3.0), "rebound": Parameter(1.0, 0.0, 10.0)}
         linear = Effect(self.physics, "linear", "viscous", damping, "damping")
         power = Effect(self.physics, "power", "viscous_power", exponent, "damping", grid(exponent=(0.6, 2.0)))
         two_way = Effect(self.physics, "two-way", "viscous_power", rebound, "damping", grid(rebound=(0.4, 2.5)))
         plain = [parallel(model, joint, effect) for effect in (linear, power, _always(power))]
         fine = [parallel(model, joint, effect) for effect in (two_way, _always(two_way))]
-        only = [evolve(effect, form=f"{effect.form}, only pushing") for effect in (linear, power)]
+        only = [evolve(effect, form=f"{effect.form}, only pushing") for effect in (linear, power, two_way)]
         pushing = [form for effect in only for form in pushing_beside(model, joint, effect)]
         return [*plain, *pushing[:1], *(evolve(form, refined=True) for form in (*fine, *pushing[1:]))]
 
@@ -73,7 +81,7 @@ class JointFriction(Hypothesis):
     sentence: ClassVar[str] = "a dry friction force opposes the deformation of {place}"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Every joint that is compressed; where it also parts, friction may act all the same or only while it is closed."""
+        """Every joint that is compressed; where it may also part, friction may act all the same or only while it is closed."""
         return [form for joint in _used(model, motion) for form in self._forms(model, joint, motion)]
 
     def _forms(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
@@ -90,7 +98,8 @@ class JointFriction(Hypothesis):
             "bristles": ("dahl", {**force, "bristle_length": length}),
         }
         always, closed = ({"always": Parameter(flag, fixed=True)} for flag in (1.0, 0.0))
-        times = {"": always, ", while compressed": closed} if largest_extension(motion, joint.name) > 0.0 else {"": always}
+        may_part = largest_extension(motion, joint.name) > 0.0 or largest_recoil(motion, joint.name) > SPRUNG_BACK * reached
+        times = {"": always, ", while compressed": closed} if may_part else {"": always}
         told = [
             (form, Effect(self.physics, f"{form}{when}", law, {**numbers, **during}, "friction_force"))
             for form, (law, numbers) in laws.items()
@@ -122,21 +131,28 @@ class PeakLoad(Hypothesis):
 
     def _forms(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
         reached, plateau = largest_deformation(motion, joint.name), _plateau(motion, joint.name)
+        latest = min(BEFORE * plateau, PASSED * reached)
         peak = {
             "peak_force": Parameter(0.0, 0.0, 1e8),
-            "peak_deformation": Parameter(0.1 * reached, 0.01 * reached, reached),
+            "peak_deformation": Parameter(0.1 * reached, 0.01 * reached, PASSED * reached),
         }
         narrow = {
             "peak_force": Parameter(0.0, 0.0, 1e8),
-            "peak_deformation": Parameter(plateau, 0.01 * reached, BEFORE * plateau),
+            "peak_deformation": Parameter(min(plateau, latest), 0.01 * reached, latest),
             "peak_sharpness": Parameter(8.0, 1.0, 200.0),
         }
         width = {"peak_width": Parameter(0.4 * plateau, 0.01 * plateau, BEFORE * plateau)}
         flanked = {name: narrow[name] for name in peak} | width
         uneven = flanked | {"peak_rise": width["peak_width"]}
         starts = grid(peak_deformation=(0.08 * reached, 0.2 * reached))
-        narrow_starts = grid(peak_deformation=(0.7 * plateau, plateau, 1.4 * plateau))
-        shapes = (("pointed", "pointed_peak", flanked), ("uneven", "pointed_peak", uneven), ("bell", "bell_peak", flanked))
+        narrow_starts = grid(peak_deformation=[min(share * plateau, latest) for share in (0.7, 1.0, 1.4)])
+        dipping = flanked | {"dip": Parameter(0.3, 0.0, 2.0), "recovery": Parameter(0.2 * reached, 0.01 * reached, reached)}
+        shapes = (
+            ("pointed", "pointed_peak", flanked),
+            ("uneven", "pointed_peak", uneven),
+            ("bell", "bell_peak", flanked),
+            ("with a dip", "dipping_peak", dipping),
+        )
         fine = [Effect(self.physics, form, law, own, "peak_force", narrow_starts) for form, law, own in shapes]
         return [
             added(model, joint, Effect(self.physics, "bump", "peak", peak, "peak_force", starts)),
@@ -168,7 +184,7 @@ class ProgressiveFolding(Hypothesis):
             "skew": Parameter(SKEW, -0.98, 0.98),
             "arch": Parameter(0.1, 0.0, 0.95),
             "shortening": Parameter(0.0, -0.3, 0.5),
-            "weakening": Parameter(0.01, 0.0, 3.0),
+            "weakening": Parameter(0.01, 0.0, FADING),
         }
         begin = min(plateau, LATEST * reached)
         lengths = [(reached - begin) / number for number in FOLDS]
@@ -192,7 +208,7 @@ def falling(fastest: float) -> dict[str, Parameter]:
     return {
         "friction_force": Parameter(0.0, 0.0, 1e7),
         "slip_rate": Parameter(0.05, fixed=True),
-        "stick": Parameter(0.3, -0.9, 9.0),
+        "stick": Parameter(0.3, MOST_RISING, 9.0),
         "stick_rate": Parameter(0.2 * fastest, 0.02 * fastest, 2.0 * fastest),
     }
 

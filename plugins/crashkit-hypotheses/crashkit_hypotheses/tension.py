@@ -17,8 +17,8 @@ STRETCHED = 1e-4
 
 
 class Tension(Hypothesis):
-    """The joint's own lines go on below F = 0, without end or to a limit; or F = F_law + k min(0, d + slack), or a hook
-    latches as it is crushed: F = F_law - P max(0, (d_max - d - play) / way)^n."""
+    """The joint's own lines go on below F = 0, without end or to a limit; or F = F_law + k min(0, d + slack), which
+    may yield; or a hook latches as it is crushed: F = F_law - P max(0, (d_max - d - play) / way)^n."""
 
     physics: ClassVar[str] = "tension"
     sentence: ClassVar[str] = "{place} also pulls"
@@ -34,7 +34,7 @@ class Tension(Hypothesis):
                 proposals.append(changed(model, joint, Effect(self.physics, "own line", joint.law, pull, "tension")))
                 proposals += self._limited(model, joint, largest_force(motion, joint.name))
             if stretch > STRETCHED:
-                proposals.append(self._strap(model, joint, stretch))
+                proposals += self._straps(model, joint, stretch, largest_force(motion, joint.name))
             recoil = largest_recoil(motion, joint.name)
             if _only_pushes(joint) and recoil > STRETCHED:
                 proposals.append(self._hook(model, joint, recoil))
@@ -49,10 +49,13 @@ class Tension(Hypothesis):
         limited = Effect(self.physics, "own line, to a limit", joint.law, pull, "tension_force", starts)
         return [evolve(changed(model, joint, limited), refined=True)]
 
-    def _strap(self, model: Model, joint: Joint, stretch: float) -> Proposal:
+    def _straps(self, model: Model, joint: Joint, stretch: float, largest: float) -> list[Proposal]:
         strap = {"stiffness": Parameter(0.0, 0.0, 1e9), "slack": Parameter(0.0, 0.0, stretch)}
+        limit = {"yield_force": Parameter(0.2 * largest, 1e-3 * largest, 2.0 * largest), "corner": Parameter(2.0, 1.0, 20.0)}
         starts = grid(slack=(0.0, 0.2 * stretch, 0.5 * stretch))
-        return parallel(model, joint, Effect(self.physics, "strap", "tension_spring", strap, "stiffness", starts))
+        straight = Effect(self.physics, "strap", "tension_spring", strap, "stiffness", starts)
+        yields = Effect(self.physics, "strap, yielding", "yielding_strap", strap | limit, "stiffness", starts)
+        return [parallel(model, joint, straight), evolve(parallel(model, joint, yields), refined=True)]
 
     def _hook(self, model: Model, joint: Joint, recoil: float) -> Proposal:
         hook = {

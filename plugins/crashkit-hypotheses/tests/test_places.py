@@ -145,7 +145,7 @@ def test_a_strap_needs_a_joint_that_was_stretched_a_hook_one_that_sprang_back_an
 ):
     pressed = [run.assign(deformation=np.maximum(run["deformation"], 0.0)) for run in runs]
     assert places(propose("tension")) == BOTH_JOINTS
-    assert {p.form for p in propose("tension")} == {"own line", "own line, to a limit", "strap", "hook"}
+    assert {p.form for p in propose("tension")} == {"own line", "own line, to a limit", "strap", "strap, yielding", "hook"}
     assert {p.form for p in propose("tension", motion=pressed)} == {"own line", "own line, to a limit", "hook"}
     pulls = model.with_parameters({"joint.first.tension": Parameter(1.0, fixed=True)})
     assert places(propose("tension", pulls, pressed)) == {(("joint", "second"),)}
@@ -221,7 +221,7 @@ def test_the_search_for_a_resonance_begins_where_the_sensor_rings(propose, runs)
 def test_an_error_that_is_identified_already_is_not_accused(propose, model):
     known = with_instrument_error(model, "film", "front_marker", "gain", Parameter(1.0))
     assert (("instrument", "film"), ("sensor", "front_marker")) not in places(propose("gain_error", known))
-    assert len(propose("gain_error", known)) == 3
+    assert [p.form for p in propose("gain_error", known)].count("constant") == 3
 
 
 def test_a_bias_may_be_as_large_as_the_largest_reading_of_any_run(propose, runs):

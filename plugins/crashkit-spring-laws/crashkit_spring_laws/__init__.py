@@ -1,6 +1,6 @@
 """The force laws and rate factors that ship with crashkit."""
 
-from crashkit_spring_laws.buckling import BellPeak, Folding, Peak, PointedPeak
+from crashkit_spring_laws.buckling import BellPeak, DippingPeak, Folding, Peak, PointedPeak
 from crashkit_spring_laws.crush_plateau import CrushPlateau
 from crashkit_spring_laws.dampers import Viscous, ViscousPower
 from crashkit_spring_laws.fracture import Brittle, Fracture, Tear
@@ -27,8 +27,10 @@ from crashkit_spring_laws.stops import (
     LinearStop,
     LockingStop,
     Pad,
+    PowerStop,
     QuadraticStop,
     TensionSpring,
+    YieldingStrap,
 )
 from crashkit_spring_laws.tables import DrivenCurve, RateCurve, RateTable, SmoothTable, TimeTable
 from crashkit_spring_laws.tie import Tie
@@ -53,16 +55,19 @@ SPRING_LAWS = (
     QuasiLinear,
     LinearStop,
     QuadraticStop,
+    PowerStop,
     LockingStop,
     ExponentialStop,
     CrushStop,
     HuntCrossley,
     Pad,
     TensionSpring,
+    YieldingStrap,
     Hook,
     Peak,
     PointedPeak,
     BellPeak,
+    DippingPeak,
     Folding,
     Fracture,
     Brittle,
@@ -90,6 +95,7 @@ __all__ = [
     "CrushPlateau",
     "CrushStop",
     "Dahl",
+    "DippingPeak",
     "DrivenCurve",
     "ExponentialStop",
     "Fading",
@@ -104,6 +110,7 @@ __all__ = [
     "PiecewiseAffine",
     "PlasticShare",
     "PointedPeak",
+    "PowerStop",
     "QuadraticStop",
     "RateCurve",
     "RateEyring",
@@ -124,4 +131,5 @@ __all__ = [
     "UnloadingLoss",
     "Viscous",
     "ViscousPower",
+    "YieldingStrap",
 ]

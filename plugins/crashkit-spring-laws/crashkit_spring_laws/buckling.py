@@ -82,6 +82,43 @@ class BellPeak(SpringLaw):
         return peak_force * max(0.0, share - (d_max - d) / peak_width)
 
 
+class DippingPeak(SpringLaw):
+    """The peak of a member that buckles, and carries less than its plateau before it finds that again.
+
+    F = P s(d_max): s rises like a quarter of a sine up to the peak, falls in a line to -dip in `peak_width` and comes back
+    to 0 in `recovery`. It comes once, like `peak`, and is released to 0 along a slope of (pi / 2 + 1 + dip) P over the
+    shortest of these ways, which is steeper than its flanks.
+    """
+
+    name = "dipping_peak"
+    parameters = (
+        *PLACE[:2],
+        ParameterSpec("peak_width", "m", "from the peak to the dip (w)", lower=1e-4),
+        ParameterSpec("dip", "1", "depth of the dip over the height of the peak", lower=0.0, upper=2.0),
+        ParameterSpec("recovery", "m", "from the dip to the plateau", lower=1e-4),
+    )
+
+    @staticmethod
+    def force(
+        d: float,
+        ddot: float,
+        d_max: float,
+        peak_force: float,
+        peak_deformation: float,
+        peak_width: float,
+        dip: float,
+        recovery: float,
+    ) -> float:
+        """The force, N, compression positive."""
+        x = max(0.0, d_max)
+        rising = math.sin(0.5 * math.pi * min(1.0, x / peak_deformation))
+        beyond = max(0.0, x - peak_deformation)
+        falling = (1.0 + dip) * min(1.0, beyond / peak_width)
+        share = rising - falling + dip * min(1.0, max(0.0, beyond - peak_width) / recovery)
+        release = (0.5 * math.pi + 1.0 + dip) * (d_max - d) / min(peak_deformation, peak_width, recovery)
+        return peak_force * (max(0.0, max(0.0, share) - release) + min(0.0, min(0.0, share) + release))
+
+
 class Folding(SpringLaw):
     """Folds that form one after another: A exp(-weakening t) atan(k sin v / (1 - k cos v)) / asin k, 0 before the onset.
 

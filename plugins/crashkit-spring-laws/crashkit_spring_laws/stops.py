@@ -6,6 +6,8 @@ from crashkit.protocols import ParameterSpec, SpringLaw
 from crashkit_spring_laws.shared import CLEARANCE
 
 STOP_DEFORMATION = ParameterSpec("stop_deformation", "m", "deformation at which the stop is met", lower=0.0)
+STOP_EXPONENT = ParameterSpec("exponent", "1", "of the way beyond the stop (n)", lower=1.0, upper=4.0, default=1.5)
+STOP_WAY = ParameterSpec("way", "m", "beyond the stop, at which `force` is meant", lower=1e-6, default=0.1, free=False)
 
 
 class LinearStop(SpringLaw):
@@ -36,6 +38,26 @@ class QuadraticStop(SpringLaw):
     def force(d: float, ddot: float, d_max: float, coefficient: float, stop_deformation: float) -> float:
         """The force, N, compression positive."""
         return coefficient * max(0.0, d - stop_deformation) ** 2
+
+
+class PowerStop(SpringLaw):
+    """A stop of any curvature: F = P (max(0, d - stop_deformation) / way)^n."""
+
+    name = "power_stop"
+    parameters = (
+        ParameterSpec("force", "N", "force where the stop is pressed by `way` (P)", lower=0.0, null=0.0),
+        STOP_DEFORMATION,
+        STOP_EXPONENT,
+        STOP_WAY,
+    )
+
+    @staticmethod
+    def force(
+        d: float, ddot: float, d_max: float, force: float, stop_deformation: float, exponent: float, way: float
+    ) -> float:
+        """The force, N, compression positive."""
+        pressed = max(0.0, d - stop_deformation) / way
+        return force * pressed * max(pressed, 1e-12) ** (exponent - 1.0)  # 0^n has no derivative to n
 
 
 class LockingStop(SpringLaw):
@@ -86,9 +108,9 @@ class HuntCrossley(SpringLaw):
     parameters = (
         ParameterSpec("force", "N", "force at rest where the stop is pressed by `way` (P)", lower=0.0, null=0.0),
         STOP_DEFORMATION,
-        ParameterSpec("exponent", "1", "of the way beyond the stop (n)", lower=1.0, upper=4.0, default=1.5),
+        STOP_EXPONENT,
         ParameterSpec("loss", "s m-1", "relative rise of the force with the rate (c)", lower=0.0, default=0.0, null=0.0),
-        ParameterSpec("way", "m", "beyond the stop, at which `force` is meant", lower=1e-6, default=0.1, free=False),
+        STOP_WAY,
     )
 
     @staticmethod
@@ -166,6 +188,25 @@ class TensionSpring(SpringLaw):
     def force(d: float, ddot: float, d_max: float, stiffness: float, slack: float) -> float:
         """The force, N, compression positive."""
         return stiffness * min(0.0, d + slack)
+
+
+class YieldingStrap(SpringLaw):
+    """A strap that only pulls, and yields: F = -k x / (1 + (k x / L)^n)^(1/n), x = max(0, -d - slack)."""
+
+    name = "yielding_strap"
+    parameters = (
+        ParameterSpec("stiffness", "N m-1", "first slope in tension (k)", lower=0.0, null=0.0),
+        ParameterSpec("slack", "m", "extension before it pulls", lower=0.0, default=0.0),
+        ParameterSpec("yield_force", "N", "force towards which it bends (L)", lower=1e-3),
+        ParameterSpec("corner", "1", "1: it bends at once; more: it bends late and sharply (n)", 1.0, 20.0, default=2.0),
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, stiffness: float, slack: float, yield_force: float, corner: float) -> float:
+        """The force, N, compression positive."""
+        straight = stiffness * min(0.0, d + slack)
+        share = max(-straight / yield_force, 1e-12)  # 0^n has no derivative to n
+        return straight / (1.0 + share**corner) ** (1.0 / corner)
 
 
 class Hook(SpringLaw):
