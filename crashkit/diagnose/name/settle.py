@@ -1,15 +1,17 @@
-"""A round settled: its winner re-identified, and challenged by what says it in fewer numbers."""
+"""A round settled: its winner re-identified, challenged by what says it in fewer numbers, and by what says it as well."""
 
 from collections.abc import Sequence
 
 from attrs import evolve
 
 from crashkit.diagnose.fitting.contest import heats, is_same
-from crashkit.diagnose.fitting.evidence import Rival, best_forms, explains, is_unknown, ranked_by_evidence
+from crashkit.diagnose.fitting.evidence import FLOOR, Rival, best_forms, explains, is_unknown, ranked_by_evidence
 from crashkit.diagnose.fitting.search import begin_all
+from crashkit.diagnose.name.forms import in_all_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Round, between, is_of_readings, open_claims
 from crashkit.diagnose.name.rivals import HEATS, again
+from crashkit.diagnose.result import place_of
 from crashkit.protocols import Proposal
 
 CHALLENGERS = 2
@@ -17,14 +19,17 @@ CHALLENGERS = 2
 
 
 def settled(inquiry: Inquiry, look: Round, winner: Rival, found: Sequence[Rival]) -> Round:
-    """The round with its winner re-identified, where something is left, or numbers are strained; then challenged.
+    """The round with its winner re-identified, where something is left, or numbers are strained; then challenged by claims of
+    fewer numbers, and by those at its place that leave as little.
 
     Arguments:
         found: what was found before.
     """
     look = _reidentified(inquiry, look, winner)
-    claims = [] if is_unknown(look.leader) else _simpler(inquiry, look, found)
-    return _challenged(inquiry, look, claims) if claims else look
+    if is_unknown(look.leader):
+        return look
+    claims = _simpler(inquiry, look, found)
+    return _contested(inquiry, _challenged(inquiry, look, claims) if claims else look, found)
 
 
 def _reidentified(inquiry: Inquiry, look: Round, winner: Rival) -> Round:
@@ -62,3 +67,18 @@ def _challenged(inquiry: Inquiry, look: Round, claims: Sequence[Proposal]) -> Ro
     fitted = ranked_by_evidence(heats(begun, HEATS, inquiry.progress), winner.search.deviance + winner.drop)
     ranked = best_forms(sorted([*look.rivals, *fitted], key=lambda rival: -rival.evidence))
     return between(look, ranked) if ranked[0].identity != winner.identity and not is_unknown(ranked[0]) else look
+
+
+def _contested(inquiry: Inquiry, look: Round, found: Sequence[Rival]) -> Round:
+    """The round with its winner, and what leaves as little at the same place, each in all forms.
+
+    A damper and friction that is smooth, each in a plain form, may both reach the noise, and only in their best forms differ.
+    """
+    winner, place = look.leader, place_of(look.leader.proposal.location)
+    here = [rival for rival in look.rivals if not is_unknown(rival) and place_of(rival.proposal.location) == place]
+    close = [rival for rival in here[: 1 + CHALLENGERS] if rival.search.normalised < FLOOR]
+    if winner.search.normalised > FLOOR or len(close) < 2:
+        return look
+    fitted = [one for rival in close for one in in_all_forms(inquiry, rival, found, rival.search)]
+    forms = ranked_by_evidence(fitted, winner.search.deviance + winner.drop)
+    return between(look, best_forms(sorted([*look.rivals, *forms], key=lambda rival: -rival.evidence)))

@@ -15,8 +15,6 @@ Fault: TypeAlias = tuple[dict[str, Parameter], str, Sequence[Mapping[str, float]
 """The errors of a sensor, the one without which it is right, and where to start."""
 
 GAIN = Parameter(1.0, 0.2, 5.0)
-BENDS = {"quadratic": 2, "cubic": 3}
-"""Powers of the reading with which the sensitivity may change."""
 SHIFT = ("zero_shift", "zero_shift_time", "zero_shift_rise")
 MOMENTS = (0.1, 0.3, 0.6)
 """Shares of the time recorded at which the zero may shift, to start from."""
@@ -25,7 +23,7 @@ SLOW, SLOWEST = 0.03, 0.1
 
 
 class GainError(Hypothesis):
-    """recorded = g true, g other than 1, or g true + c true^2, or g true + c true^3.
+    """recorded = g true, g other than 1, or g true + c (g true)^3, c above 0: below, it saturates.
 
     Along one axis a sensor that is tilted by an angle reads cos(angle) of the truth, and gravity, if that is not balanced out:
     else no recording of that axis alone tells the two apart.
@@ -38,22 +36,19 @@ class GainError(Hypothesis):
     sensor: ClassVar[bool] = True
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Every sensor, from a fifth to five times the stated sensitivity; one that changes with the reading, where the
+        """Every sensor, from a fifth to five times the stated sensitivity; one that rises with the reading, where the
         Observer knows of it."""
         constant = [
             proposal
             for one in accused(model, recordings, ["gain"])
             for proposal in each_channel(self.physics, "constant", model, one, {"gain": GAIN}, "gain")
         ]
-        return [
-            *constant,
-            *(self._bent(model, one, term) for term in BENDS for one in accused(model, recordings, ["gain", term])),
-        ]
+        bent = [one for one in accused(model, recordings, ["gain", "cubic"]) if one.largest > 0.0]
+        return [*constant, *(self._rising(model, one) for one in bent)]
 
-    def _bent(self, model: Model, one: Accused, term: str) -> Proposal:
-        largest = one.largest ** (1 - BENDS[term]) if one.largest else 1.0
-        gain = {"gain": GAIN, term: Parameter(0.0, -largest, largest)}
-        return evolve(fault(self.physics, term, model, one, gain, "gain"), refined=True)
+    def _rising(self, model: Model, one: Accused) -> Proposal:
+        errors = {"gain": GAIN, "cubic": Parameter(0.0, 0.0, 1.0 / one.largest**2)}
+        return fault(self.physics, "rising", model, one, errors, "gain")
 
 
 class Bias(Hypothesis):

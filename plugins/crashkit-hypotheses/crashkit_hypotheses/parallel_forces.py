@@ -151,12 +151,12 @@ class PeakLoad(Hypothesis):
             ("pointed", "pointed_peak", flanked),
             ("uneven", "pointed_peak", uneven),
             ("bell", "bell_peak", flanked),
-            ("with a dip", "dipping_peak", dipping),
         )
         fine = [Effect(self.physics, form, law, own, "peak_force", narrow_starts) for form, law, own in shapes]
         return [
             added(model, joint, Effect(self.physics, "bump", "peak", peak, "peak_force", starts)),
             added(model, joint, Effect(self.physics, "narrow", "peak", narrow, "peak_force", narrow_starts)),
+            added(model, joint, Effect(self.physics, "with a dip", "dipping_peak", dipping, "peak_force", narrow_starts)),
             *(evolve(added(model, joint, effect), refined=True) for effect in fine),
         ]
 
