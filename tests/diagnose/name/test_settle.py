@@ -1,14 +1,19 @@
 """A round settled: its winner re-identified, and challenged by what says it in fewer numbers."""
 
+from types import SimpleNamespace
+
 import pytest
 from attrs import evolve
 
 from crashkit.diagnose.fitting.contest import propose_all
-from crashkit.diagnose.fitting.evidence import ranked_by_evidence
+from crashkit.diagnose.fitting.evidence import Rival, ranked_by_evidence
 from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.name import settle
 from crashkit.diagnose.name.look import Round
 from crashkit.diagnose.name.settle import settled
 from crashkit.testing import toys
+
+FRICTION = "joint_friction"
 
 
 def test_a_winner_that_leaves_something_is_identified_again(workshop, inquiry, offered):
@@ -48,3 +53,24 @@ def test_a_load_on_a_stiff_tie_gives_way_to_a_mass_that_is_wrong(workshop, inqui
     assert look.winner.identity == ("added_mass", "body rear")
     found = look.winner.search
     assert found.misfit.values(found.point)["body.rear.mass"] == pytest.approx(1.2 * rear.value, rel=0.02)
+
+
+@pytest.mark.parametrize("also_left", [1.0, 1.2])
+def test_what_leaves_as_little_at_its_place_is_asked_in_all_its_forms(workshop, inquiry, offered, monkeypatch, also_left):
+    """Friction told first, and a damper that fits as well: only its best form is what is there. One that leaves more than
+    the noise is no such rival."""
+    look, base, final = offered(800.0)
+    damper = look.leader.proposal
+    friction = next(p for p in propose_all(workshop, look.before) if (p.physics, p.location) == (FRICTION, damper.location))
+    winner = Rival(friction, final, look.leader.drop, 0.0)
+    plain = Rival(damper, SimpleNamespace(normalised=also_left), look.leader.drop, -25.0)
+    asked = []
+
+    def in_all_forms(inquiry, rival, others, search):
+        asked.append(rival.proposal.physics)
+        return [(rival.proposal, final)] if rival is plain else []
+
+    monkeypatch.setattr(settle, "in_all_forms", in_all_forms)
+    told = settled(inquiry(base), evolve(look, rivals=(winner, plain)), winner, [])
+    assert asked == ([FRICTION, "viscous_damping"] if also_left == 1.0 else [])
+    assert told.leader.proposal.physics == ("viscous_damping" if also_left == 1.0 else FRICTION)

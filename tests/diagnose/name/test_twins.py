@@ -64,3 +64,15 @@ def test_an_estimated_force_has_no_twins(workshop, model, misfit, recorded):
     look = Round((rival_of(table, search, base.deviance),), (1.0,), 0.0, base.fitted())
     discovery = Discovery(base.fitted(), search.fitted(), search, (look,))
     assert beside_twins(workshop, discovery).rounds == discovery.rounds
+
+
+def test_what_another_finding_added_is_no_place_for_a_twin(workshop, rubbing):
+    """A member that breaks, and rubs: its friction, which is a joint of the fitted model, does not break."""
+    base, falling, rubs = rubbing
+    breaks = next(p for p in propose_all(workshop, rubs.fitted()) if (p.physics, p.form) == ("fracture", "compression"))
+    both = begin(workshop.identifier, workshop.misfit(rubs.fitted(), breaks.model).with_values(breaks.starts[0])).advance(5)
+    claims = [rival_of(falling, both, base.deviance), rival_of(breaks, both, rubs.deviance)]
+    looks = tuple(Round((claim,), (1.0,), 0.0, base.fitted()) for claim in claims)
+    told = beside_twins(workshop, Discovery(base.fitted(), both.fitted(), both, looks))
+    places = {rival.proposal.location.get("joint") for look in told.rounds for rival in look.rivals}
+    assert places <= {"first", None}
