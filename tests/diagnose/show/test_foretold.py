@@ -65,3 +65,14 @@ def test_where_derivatives_cannot_be_had_nothing_is_promised(model, misfit, reco
     monkeypatch.setattr(Misfit, "residual_and_jacobian", derivatives)
     expected, untold = foretold(one, one, 0.3)
     assert np.isnan(expected) and untold == ""
+
+
+def test_a_threshold_just_ahead_is_no_certainty(workshop, model, misfit, recorded):
+    """Neither run reaches it where it was believed to be; the held-out one would if it came a little sooner."""
+    deeper = model.with_values({END: 2.1})
+    final = fitted(workshop, misfit, deeper, {"slow": recorded(deeper, 0.5, 1)})
+    held = misfit(final.model, held=recorded(deeper, 1.0, 3))
+    index = held.names.index(END)
+    assert not held.residual_and_jacobian(held.start())[1][: len(held.discrepancy(held.start())), index].any()
+    expected, untold = foretold(final, held, 0.3)
+    assert untold == END and expected > 2.0
