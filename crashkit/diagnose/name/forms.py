@@ -81,11 +81,12 @@ def _alone(workshop: Workshop, origin: Misfit, present: Misfit, start: Start) ->
     Where the bodies are the same, also from where it acts most like the present form.
     """
     form, values = start
-    routes = [(values, SHARES), (values, SHARES[-1:])]
+    here = tuple(f"joint.{name}." for key, name in form.location.items() if key == "joint")
+    routes = [(values, SHARES, ()), (values, SHARES[-1:], ()), *([(values, SHARES[-1:], here)] if here else [])]
     if {body.name for body in form.model.bodies} == {body.name for body in present.model.bodies}:
         other = with_form(workshop, origin, form, values)
-        routes.append((most_alike(present, other, form.parameters, workshop.laws), SHARES[-1:]))
-    ends = [along(workshop, origin, (form, begun), route) for begun, route in routes]
+        routes.append((most_alike(present, other, form.parameters, workshop.laws), SHARES[-1:], ()))
+    ends = [along(workshop, origin, (form, begun), route, free) for begun, route, free in routes]
     return min(ends, key=lambda end: end[1])[0]
 
 
