@@ -1,25 +1,16 @@
-"""Forces that act beside a joint's law: damping, friction, a peak, folds."""
+"""Forces that act beside a joint's law: damping, friction."""
 
 from collections.abc import Sequence
 from typing import ClassVar
 
-import numpy as np
 import xarray as xr
 from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import Effect, added, grid, multiplied, parallel, pushing_beside
-from crashkit_hypotheses.sizes import largest_deformation, largest_extension, largest_rate, largest_recoil
+from crashkit_hypotheses.build import Effect, grid, multiplied, parallel, pushing_beside
+from crashkit_hypotheses.sizes import compressed, largest_deformation, largest_extension, largest_rate, largest_recoil
 
-BEFORE = 1.6
-"""Times the deformation at which the plateau begins: a peak beyond that is none before the plateau."""
-PASSED = 0.85
-"""Of the deformation reached: a peak that is hardly passed shows as a rise alone, which is no peak."""
-PROPORTIONAL = 0.9
-"""Of the largest force per deformation."""
-FIRST = 0.02
-"""Of the deformation reached: no plateau is taken to begin before."""
 BRISTLE = 0.05
 """Of the deformation reached: length of a bristle to start from."""
 SLIP_RATE, FASTEST_SLIP = 0.4, 3.0
@@ -34,18 +25,6 @@ SPRUNG_BACK = 0.5
 """Share of its deformation from which on a joint that springs back may part, with friction or another load."""
 SLOWEST = 0.5
 """m/s, below which friction is not asked how it changes with the rate."""
-LATEST, LAST = 0.3, 0.5
-"""Of the deformation reached: folds are looked for from there at the latest, and none begin later."""
-FOLDS = (2.0, 2.75, 3.5, 4.5, 5.5, 6.5, 8.0, 10.0, 12.5)
-"""How many folds to start from: a search only finds the number that is nearest."""
-LONGEST, LONGEST_SHAPED = 0.5, 0.4
-"""Of the deformation reached: what is longer does not repeat. It could be any force, above all in folds of any shape."""
-FADING = 0.7
-"""Logarithm by which each fold may be lower: what loses more than half with every fold does not repeat either."""
-SKEW = 0.1
-"""To start from: without skew, folds are a sine, which has no derivative to it."""
-PHASES = (0.0, -1 / 3, 1 / 3)
-"""Where in a fold the first begins, likewise."""
 
 
 class ViscousDamping(Hypothesis):
@@ -57,7 +36,7 @@ class ViscousDamping(Hypothesis):
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every joint that is compressed."""
-        return [form for joint in _used(model, motion) for form in self._forms(model, joint)]
+        return [form for joint in compressed(model, motion) for form in self._forms(model, joint)]
 
     def _forms(self, model: Model, joint: Joint) -> list[Proposal]:
         damping = {"damping": Parameter(0.0, 0.0, 1e7)}
@@ -82,7 +61,7 @@ class JointFriction(Hypothesis):
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every joint that is compressed; where it may also part, friction may act all the same or only while it is closed."""
-        return [form for joint in _used(model, motion) for form in self._forms(model, joint, motion)]
+        return [form for joint in compressed(model, motion) for form in self._forms(model, joint, motion)]
 
     def _forms(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
         reached = largest_deformation(motion, joint.name)
@@ -119,83 +98,6 @@ class JointFriction(Hypothesis):
         return [*beside, *(evolve(form, refined=True, odds=odds) for form in fine)]
 
 
-class PeakLoad(Hypothesis):
-    """F = F_law + a peak on first loading."""
-
-    physics: ClassVar[str] = "peak_load"
-    sentence: ClassVar[str] = "{place} shows a peak of force before its plateau"
-
-    def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """A peak at several deformations of every joint that is compressed."""
-        return [form for joint in _used(model, motion) for form in self._forms(model, joint, motion)]
-
-    def _forms(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
-        reached, plateau = largest_deformation(motion, joint.name), _plateau(motion, joint.name)
-        latest = min(BEFORE * plateau, PASSED * reached)
-        peak = {
-            "peak_force": Parameter(0.0, 0.0, 1e8),
-            "peak_deformation": Parameter(0.1 * reached, 0.01 * reached, PASSED * reached),
-        }
-        narrow = {
-            "peak_force": Parameter(0.0, 0.0, 1e8),
-            "peak_deformation": Parameter(min(plateau, latest), 0.01 * reached, latest),
-            "peak_sharpness": Parameter(8.0, 1.0, 200.0),
-        }
-        width = {"peak_width": Parameter(0.4 * plateau, 0.01 * plateau, BEFORE * plateau)}
-        flanked = {name: narrow[name] for name in peak} | width
-        uneven = flanked | {"peak_rise": width["peak_width"]}
-        starts = grid(peak_deformation=(0.08 * reached, 0.2 * reached))
-        narrow_starts = grid(peak_deformation=[min(share * plateau, latest) for share in (0.7, 1.0, 1.4)])
-        dipping = flanked | {"dip": Parameter(0.3, 0.0, 2.0), "recovery": Parameter(0.2 * reached, 0.01 * reached, reached)}
-        shapes = (
-            ("pointed", "pointed_peak", flanked),
-            ("uneven", "pointed_peak", uneven),
-            ("bell", "bell_peak", flanked),
-        )
-        fine = [Effect(self.physics, form, law, own, "peak_force", narrow_starts) for form, law, own in shapes]
-        return [
-            added(model, joint, Effect(self.physics, "bump", "peak", peak, "peak_force", starts)),
-            added(model, joint, Effect(self.physics, "narrow", "peak", narrow, "peak_force", narrow_starts)),
-            added(model, joint, Effect(self.physics, "with a dip", "dipping_peak", dipping, "peak_force", narrow_starts)),
-            *(evolve(added(model, joint, effect), refined=True) for effect in fine),
-        ]
-
-
-class ProgressiveFolding(Hypothesis):
-    """F = F_law + a force that oscillates with deformation: a sine, or folds of any shape, that get shorter, longer, lower."""
-
-    physics: ClassVar[str] = "progressive_folding"
-    sentence: ClassVar[str] = "the force of {place} oscillates with deformation: it folds progressively"
-
-    def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Folds of several lengths at every joint that is compressed."""
-        return [form for joint in _used(model, motion) for form in self._forms(model, joint, motion)]
-
-    def _forms(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
-        reached, plateau = largest_deformation(motion, joint.name), _plateau(motion, joint.name)
-        folds = {
-            "amplitude": Parameter(0.0, 0.0, 1e7),
-            "fold_length": Parameter(0.2 * reached, 0.02 * reached, LONGEST * reached),
-            "onset": Parameter(0.0, 0.0, LAST * reached),
-        }
-        shaped = {
-            **folds,
-            "fold_length": Parameter(0.2 * reached, 0.02 * reached, LONGEST_SHAPED * reached),
-            "skew": Parameter(SKEW, -0.98, 0.98),
-            "arch": Parameter(0.1, 0.0, 0.95),
-            "shortening": Parameter(0.0, -0.3, 0.5),
-            "weakening": Parameter(0.01, 0.0, FADING),
-        }
-        begin = min(plateau, LATEST * reached)
-        lengths = [(reached - begin) / number for number in FOLDS]
-        starts = [{"fold_length": one, "onset": max(0.0, begin + phase * one)} for phase in PHASES for one in lengths]
-        of_one_phase = [start for start in starts[: len(lengths)] if start["fold_length"] < LONGEST_SHAPED * reached]
-        return [
-            added(model, joint, Effect(self.physics, "sine", "folding", folds, "amplitude", starts)),
-            added(model, joint, Effect(self.physics, "shaped", "folding", shaped, "amplitude", of_one_phase)),
-        ]
-
-
 def smooth(fastest: float) -> dict[str, Parameter]:
     """Of friction: how fast it slides once it is established, m/s. Beyond the fastest there was it would be a damper."""
     fastest = min(max(fastest, SLOWEST), FASTEST_SLIP)
@@ -225,18 +127,3 @@ def _always(damping: Effect) -> Effect:
     """The same at all times."""
     parameters = {**damping.parameters, "tension": Parameter(1.0, fixed=True)}
     return evolve(damping, form=f"{damping.form}, always", parameters=parameters)
-
-
-def _used(model: Model, motion: Sequence[xr.Dataset]) -> list[Joint]:
-    return [joint for joint in model.joints if largest_deformation(motion, joint.name) > 0]
-
-
-def _plateau(motion: Sequence[xr.Dataset], joint: str) -> float:
-    """m, deformation at which a joint first carries plainly less than in proportion to its deformation."""
-    deepest = max(motion, key=lambda run: float(run["deformation"].sel(joint=joint).max()))
-    deformation, force = (deepest[name].sel(joint=joint).values for name in ("deformation", "force"))
-    reached = float(np.nanmax(deformation))
-    loading = (np.arange(len(force)) <= np.nanargmax(deformation)) & (deformation > FIRST * reached)
-    secant = force[loading] / deformation[loading]
-    yields = secant < PROPORTIONAL * np.maximum.accumulate(secant)
-    return float(deformation[loading][np.argmax(yields)]) if yields.any() else reached

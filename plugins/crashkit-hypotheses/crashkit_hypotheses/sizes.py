@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 import xarray as xr
 
-from crashkit.model import Model
+from crashkit.model import Joint, Model
 
 NEARER = 1e-3
 """m, least approach of two bodies that may touch."""
@@ -32,6 +32,11 @@ def pulls(motions: Sequence[xr.Dataset], joint: str) -> bool:
     """Whether a joint pulled in some run."""
     stretched = largest_extension(motions, joint) > 0.0
     return stretched and min(float(np.nanmin(one["force"].sel(joint=joint).values)) for one in motions) < 0.0
+
+
+def compressed(model: Model, motions: Sequence[xr.Dataset]) -> list[Joint]:
+    """The joints that are compressed in some run."""
+    return [joint for joint in model.joints if largest_deformation(motions, joint.name) > 0.0]
 
 
 def largest_force(motions: Sequence[xr.Dataset], joint: str) -> float:

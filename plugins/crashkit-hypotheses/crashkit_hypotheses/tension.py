@@ -51,7 +51,8 @@ class Tension(Hypothesis):
 
     def _straps(self, model: Model, joint: Joint, stretch: float, largest: float) -> list[Proposal]:
         strap = {"stiffness": Parameter(0.0, 0.0, 1e9), "slack": Parameter(0.0, 0.0, stretch)}
-        limit = {"yield_force": Parameter(0.2 * largest, 1e-3 * largest, 2.0 * largest), "corner": Parameter(2.0, 1.0, 20.0)}
+        most = max(largest, 1.0)
+        limit = {"yield_force": Parameter(0.2 * most, 1e-3 * most, 2.0 * most), "corner": Parameter(2.0, 1.0, 20.0)}
         starts = grid(slack=(0.0, 0.2 * stretch, 0.5 * stretch))
         straight = Effect(self.physics, "strap", "tension_spring", strap, "stiffness", starts)
         yields = Effect(self.physics, "strap, yielding", "yielding_strap", strap | limit, "stiffness", starts)

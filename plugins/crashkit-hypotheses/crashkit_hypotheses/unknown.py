@@ -12,6 +12,7 @@ from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import Effect, at_a_distance, between, driven, grounded, linked, multiplied, parallel
 from crashkit_hypotheses.sizes import (
     approaching,
+    compressed,
     forces_recorded,
     largest_deformation,
     largest_extension,
@@ -57,7 +58,7 @@ class Unknown(Hypothesis):
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every joint that is compressed, every two bodies that approach each other without one, and every body on which a
         force is something else than one in its mount."""
-        used = [joint for joint in model.joints if largest_deformation(motion, joint.name) > 0]
+        used = compressed(model, motion)
         pushed = [body for body in model.bodies if _differs(model, body, recordings)]
         in_joints = [form for joint in used for form in self._in_joint(model, joint, motion)]
         between_bodies = [self._between(model, pair, reach, motion) for pair, reach in approaching(model, motion).items()]

@@ -3,7 +3,7 @@
 import pytest
 
 from crashkit.testing import HypothesisContract
-from crashkit_hypotheses import body_forces, instrument_faults, parallel_forces, sensor_faults
+from crashkit_hypotheses import body_forces, buckling, instrument_faults, parallel_forces, sensor_faults
 from crashkit_hypotheses.bottoming import Bottoming
 from crashkit_hypotheses.carried_load import CarriedLoad
 from crashkit_hypotheses.clearance import Clearance
@@ -82,7 +82,7 @@ class TestObstacleMotion(Contract):
 
 
 class TestPeakLoad(Contract):
-    kind = parallel_forces.PeakLoad
+    kind = buckling.PeakLoad
 
 
 class TestPlasticUnloading(Contract):
@@ -90,7 +90,7 @@ class TestPlasticUnloading(Contract):
 
 
 class TestProgressiveFolding(Contract):
-    kind = parallel_forces.ProgressiveFolding
+    kind = buckling.ProgressiveFolding
 
 
 class TestRateDependence(Contract):
