@@ -279,9 +279,13 @@ def test_names_stay_unique_when_the_same_is_found_twice(propose, engine):
 
 def test_friction_in_a_joint_that_parts_may_end_there_or_not(propose, runs):
     parting = [run.assign(deformation=run["deformation"] - 0.1) for run in runs]
-    closed = [run.assign(deformation=np.maximum(run["deformation"], 0.0)) for run in runs]
+    springing = [run.assign(deformation=np.maximum(run["deformation"], 0.0)) for run in runs]
+    crushed = [
+        run.assign(deformation=(run["deformation"].dims, np.maximum.accumulate(run["deformation"].values))) for run in runs
+    ]
     assert {p.odds for p in propose("joint_friction", motion=parting)} == {0.5}
-    assert {p.odds for p in propose("joint_friction", motion=closed)} == {1.0}
+    assert {p.odds for p in propose("joint_friction", motion=springing)} == {0.5}
+    assert {p.odds for p in propose("joint_friction", motion=crushed)} == {1.0}
 
 
 def test_friction_slides_at_a_rate_that_was_reached(propose, runs):
