@@ -6,7 +6,7 @@ from functools import partial
 from attrs import evolve
 
 from crashkit.diagnose.fitting.contest import propose_all
-from crashkit.diagnose.fitting.evidence import FLOOR, probabilities, ranked_by_evidence
+from crashkit.diagnose.fitting.evidence import FLOOR, explains, probabilities, ranked_by_evidence
 from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.reidentify import reidentify
 from crashkit.diagnose.fitting.search import STEPS, begin
@@ -14,6 +14,7 @@ from crashkit.diagnose.locate.aside import CLOCK, Suspect, late_clocks, on_time,
 from crashkit.diagnose.locate.consistency import by_run, check_instruments
 from crashkit.diagnose.name.asked_first import asked_first
 from crashkit.diagnose.name.explore import beside_reading, discovered
+from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Round, look_again
 from crashkit.diagnose.name.rounds import Discovery
@@ -23,11 +24,22 @@ from crashkit.protocols import Proposal
 
 
 def discover(inquiry: Inquiry, looks: Sequence[Round]) -> Discovery:
-    """All findings that the evidence supports, each in the light of the others.
+    """All findings that the evidence supports, each in the light of the others, and at last in its best form.
+
+    A plain form may leave no more than chance would, and another still be far more evident: what it foretells is better.
 
     Arguments:
         looks: whose claims are asked first, if there are any.
     """
+    found = _found(inquiry, looks)
+    if not explains(found.search):
+        return found
+    same = list(found.rounds), found.search
+    rounds, search = in_time(same, in_best_forms, inquiry, found.rounds, found.search, thorough=True)
+    return evolve(found, rounds=tuple(rounds), search=search, final=search.fitted())
+
+
+def _found(inquiry: Inquiry, looks: Sequence[Round]) -> Discovery:
     found = asked_first(inquiry, looks)
     if found is not None:
         return found

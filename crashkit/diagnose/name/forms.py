@@ -25,15 +25,18 @@ HEATS = ((4, 8), (2, 40))
 """How many starts of each form go on, and how many steps each gets."""
 
 
-def in_best_forms(inquiry: Inquiry, rounds: Sequence[Round], search: Search) -> tuple[list[Round], Search]:
+def in_best_forms(
+    inquiry: Inquiry, rounds: Sequence[Round], search: Search, thorough: bool = False
+) -> tuple[list[Round], Search]:
     """The findings, each in the form that is most evident beside the others, and the fit with them.
 
     Arguments:
-        search: the fit with them; where it leaves nothing, no form is questioned.
+        search: the fit with them.
+        thorough: whether forms are questioned where that leaves nothing, too.
     """
     looks = list(rounds)
     for index, look in enumerate(rounds):
-        if explains(search) or is_unknown(look.leader):
+        if is_unknown(look.leader) or (explains(search) and not thorough):
             continue
         others = [other.leader for other in looks if other is not look]
         inquiry.progress(f"fitting all forms of {look.leader.proposal.physics}", index / len(looks))

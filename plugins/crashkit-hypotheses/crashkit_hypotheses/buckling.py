@@ -61,7 +61,7 @@ class PeakLoad(Hypothesis):
         early = {"peak_force": force, "peak_deformation": Parameter(min(plateau, latest), 0.01 * reached, latest)}
         narrow = early | {"peak_sharpness": Parameter(8.0, 1.0, 200.0)}
         flanked = early | {"peak_width": width}
-        dip = {"dip": Parameter(0.3, 0.0, 2.0), "recovery": Parameter(0.2 * reached, 0.01 * reached, reached)}
+        dip = {"dip": Parameter(0.3, 0.0, 1.0), "recovery": Parameter(0.2 * reached, 0.01 * reached, reached)}
         shapes = (
             ("narrow", "peak", narrow),
             ("with a dip", "dipping_peak", flanked | dip),

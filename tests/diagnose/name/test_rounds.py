@@ -11,7 +11,7 @@ from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name import rounds as questioned
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import LEAST_DROP, Round, _is_given, least_drop
+from crashkit.diagnose.name.look import LEAST_DROP, Round, is_given, least_drop
 from crashkit.diagnose.name.needed import _asked, needed, price
 from crashkit.diagnose.name.rounds import Discovery, _corrects, _was_asked, reconsidered
 from crashkit.diagnose.show.left_out import left_out_drop
@@ -144,9 +144,9 @@ def test_a_third_finding_must_explain_more_than_a_second():
 
 
 def test_what_a_finding_has_added_is_no_place_for_more(model):
-    assert _is_given(model, {"bodies": ["wall", "front"]}) and _is_given(model, {"joint": model.joints[0].name})
-    assert not _is_given(model, {"bodies": ["wall", "front_load"]})
-    assert not _is_given(model, {"body": "front_load"}) and not _is_given(model, {"joint": "front_friction"})
+    assert is_given(model, {"bodies": ["wall", "front"]}) and is_given(model, {"joint": model.joints[0].name})
+    assert not is_given(model, {"bodies": ["wall", "front_load"]})
+    assert not is_given(model, {"body": "front_load"}) and not is_given(model, {"joint": "front_friction"})
 
 
 def test_physics_that_is_there_predicts_runs_that_were_left_out(offered):
