@@ -46,6 +46,7 @@ class Chain:
         if self._acts("hysteresis"):
             self.lag()
         self.soften()
+        self.knee()
         self.clip()
         if self._acts("bias", "bias_drift", "zero_shift"):
             self.offset()
@@ -121,6 +122,23 @@ class Chain:
         self.value = np.where(np.isinf(limit), self.value, finite * bent)
         if self.errors is not None:
             self.errors["saturation_soft"] = bent - share * slope
+
+    def knee(self) -> None:
+        """a / (1 + (|a| / s)^n)^(1 / n): bent towards -s and s in a knee."""
+        limit, sharpness = self._own["saturation_knee"], self._own["knee_sharpness"]
+        if np.isinf(limit).all():
+            return
+        share = np.maximum(np.abs(self.value) / limit, 1e-12)
+        power = share**sharpness
+        root = (1.0 + power) ** (-1.0 / sharpness)
+        slope = root / (1.0 + power)
+        self._each(lambda columns: slope[..., None] * columns)
+        bent = root * self.value
+        if self.errors is not None:
+            by_sharpness = np.log1p(power) / sharpness**2 - power * np.log(share) / (sharpness * (1.0 + power))
+            self.errors["saturation_knee"] = np.sign(self.value) * share * (root - slope)
+            self.errors["knee_sharpness"] = bent * by_sharpness
+        self.value = bent
 
     def clip(self) -> None:
         """a within -saturation and saturation, and what holds on one side; a clipped reading depends on nothing else."""

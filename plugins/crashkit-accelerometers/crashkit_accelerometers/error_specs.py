@@ -37,6 +37,8 @@ def channel_errors(unit: str, full_scale: float) -> tuple[ParameterSpec, ...]:
         _limit("saturation_above", unit, "the same of readings above 0 only"),
         _limit("saturation_below", unit, "the same of readings below 0 only"),
         _limit("saturation_soft", unit, "size towards which readings bend"),
+        _limit("saturation_knee", unit, "the same, in a knee"),
+        _shape("knee_sharpness", "1", "of that knee: 1 bends from the start, 30 clips", 1.0, 30.0, 8.0),
         _around_null("resonance_share", "1", "how much of the reading comes through a ringing mount", 1.0),
         _shape("resonance_frequency", "s-1", "natural frequency of the mount", 10.0, 2e4, 500.0),
         _shape("resonance_damping", "1", "damping of the mount, of critical", 1e-3, 0.99, 0.05),

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 import xarray as xr
+from attrs import evolve
 from scipy.constants import g
 
 from crashkit.model import Model, Parameter
@@ -18,12 +19,21 @@ UNCLIPPED = 1e4
 LEANS, STEEPEST = (-0.3, 0.3), 1.2
 """Angles of a sensor that leans towards gravity, rad: to start from, and at most."""
 LEANING = {"lean": Parameter(0.0, -STEEPEST, STEEPEST), "bias": Parameter(0.0, -2.0 * g, 2.0 * g)}
-LIMITS = {"limit": "saturation", "above": "saturation_above", "below": "saturation_below", "soft": "saturation_soft"}
+LIMITS = {
+    "limit": "saturation",
+    "above": "saturation_above",
+    "below": "saturation_below",
+    "soft": "saturation_soft",
+    "knee": "saturation_knee",
+}
 """The errors of a sensor that clips, by form."""
+KNEE = {"knee_sharpness": Parameter(8.0, 1.0, 30.0)}
+"""Of the last: between the first and the one before it, and so only asked for where these leave something."""
 
 
 class Saturation(Hypothesis):
-    """recorded = min(limit, max(-limit, true)), the same on one side only, or limit tanh(true / limit)."""
+    """recorded = min(limit, max(-limit, true)), the same on one side only, limit tanh(true / limit), or with a knee between
+    these, true / (1 + (|true| / limit)^n)^(1 / n)."""
 
     physics: ClassVar[str] = "saturation"
     sentence: ClassVar[str] = "{place} clips its readings"
@@ -40,9 +50,9 @@ class Saturation(Hypothesis):
 
     def _clipped(self, model: Model, one: Accused, form: str, error: str) -> Proposal:
         never = UNCLIPPED * one.largest
-        limit = {error: Parameter(one.largest, 0.3 * one.largest, never)}
+        limit = {error: Parameter(one.largest, 0.3 * one.largest, never)} | (KNEE if form == "knee" else {})
         starts = grid(**{error: (0.93 * one.largest,)})
-        return fault(self.physics, form, model, one, limit, error, starts, never)
+        return evolve(fault(self.physics, form, model, one, limit, error, starts, never), refined=form == "knee")
 
 
 class MountingResonance(Hypothesis):

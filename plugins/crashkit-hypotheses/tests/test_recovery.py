@@ -427,6 +427,11 @@ def bending(model):
     return with_error(model, "rear_sensor", saturation_soft=120.0)
 
 
+def giving_way(model):
+    """Its amplifier clips with a knee."""
+    return with_error(model, "rear_sensor", saturation_knee=45.0, knee_sharpness=5.0)
+
+
 def with_error(model, sensor, instrument="accelerometer", **errors):
     for name, value in errors.items():
         model = with_instrument_error(model, instrument, sensor, name, Parameter(value, fixed=True))
@@ -534,6 +539,10 @@ CASES = {
     heaving: (("misalignment", "lean, heaving", {"sensor": "rear_sensor"}), {"lean": 0.3, "rocking_frequency": 6.0}),
     shifting: (("bias", "shift", {"sensor": "rear_sensor"}), {"zero_shift": 9.0, "zero_shift_time": 0.06}),
     bending: (("saturation", "soft", {"sensor": "rear_sensor"}), {"saturation_soft": 120.0}),
+    giving_way: (
+        ("saturation", "knee", {"sensor": "rear_sensor"}),
+        {"saturation_knee": 45.0, "knee_sharpness": 5.0},
+    ),
     exaggerating: (("gain_error", "rising", {"sensor": "rear_sensor"}), {"gain": 0.9, "cubic": 8e-6}),
     gaining: (("clock_offset", "drift", {"instrument": "film"}), {"clock_offset": 1e-3, "clock_rate": 0.02}),
     drifting: (("bias", "drift", {"sensor": "rear_sensor"}), {"bias": 2.0, "bias_drift": 30.0}),
