@@ -178,11 +178,11 @@ def _moved(model: Model, compiled: Model) -> dict[str, float]:
 
 
 def _clock_margin(model: Model, stamps: Sequence[np.ndarray]) -> float:
-    """How far the free clocks may reach beyond the last time stamp."""
+    """How far a free clock may reach beyond the last time stamp."""
     reach = {"clock_offset": 1.0, "clock_rate": max((float(times.max(initial=0.0)) for times in stamps), default=0.0)}
-    clocks = [(reach[name], p) for entry in model.instruments for name, p in entry.parameters.items() if name in reach]
-    margins = [far * max(abs(p.lower), abs(p.upper)) for far, p in clocks]
-    return sum(margin for margin in margins if np.isfinite(margin))
+    clocks = [{n: p for n, p in entry.parameters.items() if n in reach} for entry in model.instruments]
+    margins = [[reach[n] * max(abs(p.lower), abs(p.upper)) for n, p in clock.items()] for clock in clocks]
+    return max((sum(filter(np.isfinite, margin)) for margin in margins), default=0.0)
 
 
 def _instants(stamps: Sequence[np.ndarray], margin: float) -> np.ndarray:

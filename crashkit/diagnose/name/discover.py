@@ -93,14 +93,20 @@ def _clock(inquiry: Inquiry, late: Mapping[str, float]) -> Round:
     """Which of these clocks is wrong: the model is re-identified with the stamps of one or the other put right."""
     workshop, given, current = inquiry.workshop, inquiry.given, inquiry.base.fitted()
     claims = [p for p in propose_all(workshop, current) if p.physics == CLOCK and p.location["instrument"] in late]
+    put_right = {instrument: _put_right(inquiry, instrument, lateness) for instrument, lateness in late.items()}
     fitted = []
     for claim in claims:
-        instrument, path = str(claim.location["instrument"]), claim.parameters[0]
-        right = workshop.first_misfit(given.model, on_time(given.recordings, instrument, late[instrument]))
-        search = reidentify(workshop, right.with_prior(given.prior.std))
-        values = {**search.misfit.values(search.point), path: late[instrument]}
+        instrument = str(claim.location["instrument"])
+        values = {**put_right[instrument], claim.parameters[0]: late[instrument]}
         misfit = workshop.misfit(given, claim.model).with_values(values)
         fitted.append((claim, begin(workshop.identifier, misfit).advance(STEPS)))
     rivals = ranked_by_evidence(fitted, inquiry.base.deviance)
     chances, nothing = probabilities(rivals, len(rivals))
     return Round(tuple(rivals), tuple(chances.tolist()), nothing, current)
+
+
+def _put_right(inquiry: Inquiry, instrument: str, late: float) -> Mapping[str, float]:
+    """The model's numbers as re-identified with the stamps of one instrument put right."""
+    right = inquiry.workshop.first_misfit(inquiry.given.model, on_time(inquiry.given.recordings, instrument, late))
+    search = reidentify(inquiry.workshop, right.with_prior(inquiry.given.prior.std))
+    return search.misfit.values(search.point)

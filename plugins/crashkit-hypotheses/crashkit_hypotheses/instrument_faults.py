@@ -98,7 +98,7 @@ class ClockOffset(Hypothesis):
         offset, rate = Parameter(0.0, -0.02, 0.02), Parameter(0.0, -0.05, 0.05)
         forms = {"constant": {"clock_offset": offset}, "drift": {"clock_offset": offset, "clock_rate": rate}}
         return [
-            evolve(fault(self.physics, form, model, one, clock, "clock_offset"), refined=len(clock) > 1)
+            evolve(fault(self.physics, form, model, one, clock, "clock_offset"), refined=form == "drift")
             for form, clock in forms.items()
             for one in accused(model, recordings, list(clock))
         ]
