@@ -37,20 +37,32 @@ class Rotation(Hypothesis):
         return [self._rocking(model, name, own, duration) for name, own in riders.items() if own]
 
     def _rocking(self, model: Model, name: str, sensors: Sequence[Accused], duration: float) -> Proposal:
+        shape = rocking(duration)
+        share = shape.pop("rocking_share")
+        paths = [f"{one.prefix}rocking_share" for one in sensors]
         for one in sensors:
-            for error, parameter in rocking(duration).items():
-                model = with_instrument_error(model, one.instrument, one.sensor, error, parameter)
-        frequencies = [f"{one.prefix}rocking_frequency" for one in sensors]
-        starts = [turns / duration for turns in TURNS]
+            model = with_instrument_error(model, one.instrument, one.sensor, "rocking_share", share)
+        oscillators = dict.fromkeys(_oscillator(model, one, sensors) for one in sensors)
+        for instrument, sensor in oscillators:
+            for error, parameter in shape.items():
+                model = with_instrument_error(model, instrument, sensor, error, parameter)
+        shapes = {error: [f"instrument.{'.'.join(one)}.{error}" for one in oscillators] for error in shape}
         return Proposal(
             self.physics,
             "rocking",
             {"body": name},
             model,
-            tuple(one.prefix + error for error in ERRORS for one in sensors),
-            {f"{one.prefix}rocking_share": 0.0 for one in sensors},
-            tuple(dict.fromkeys(frequencies, start) for start in starts),
+            (*paths, *(path for error in shape for path in shapes[error])),
+            dict.fromkeys(paths, 0.0),
+            tuple(dict.fromkeys(shapes["rocking_frequency"], turns / duration) for turns in TURNS),
         )
+
+
+def _oscillator(model: Model, one: Accused, sensors: Sequence[Accused]) -> tuple[str, str]:
+    """Whose frequency and damping a sensor has: those of its instrument, if several of that ride on the body."""
+    several = sum(other.instrument == one.instrument for other in sensors) > 1
+    taken = f"instrument.{one.instrument}..rocking_frequency" in model.parameters()
+    return one.instrument, "" if several and not taken else one.sensor
 
 
 def rocking(duration: float) -> dict[str, Parameter]:
