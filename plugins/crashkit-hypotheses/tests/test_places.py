@@ -312,3 +312,17 @@ def test_where_a_sensor_has_several_axes_one_of_them_alone_may_be_wrong(propose,
         "constant, x only": (f"{path}/x.{error}",),
         "constant, y only": (f"{path}/y.{error}",),
     }
+
+
+def test_sensors_of_one_instrument_on_a_body_that_turns_share_its_frequency(propose, runs):
+    """Each has its own height; a marker that is the only one has a frequency of its own."""
+    recordings = [_with_both_sensors_on_the_rear(toys.recording(run)) for run in runs]
+    rear = next(p for p in propose("rotation", recordings=recordings) if p.location == {"body": "rear"})
+    shares = [f"{one}.rocking_share" for one in ("film.rear_marker", "accelerometer.high", "accelerometer.low")]
+    shapes = [f"{one}.rocking_{name}" for name in ("frequency", "damping") for one in ("film.rear_marker", "accelerometer.")]
+    assert list(rear.parameters) == [f"instrument.{path}" for path in (*shares, *shapes)]
+
+
+def _with_both_sensors_on_the_rear(recording):
+    sensors = recording["accelerometer"].to_dataset(inherit=False).assign_coords(sensor=["high", "low"])
+    return recording.assign(accelerometer=xr.DataTree(sensors.assign(sensor_body=("sensor", ["rear", "rear"]))))
