@@ -13,6 +13,7 @@ from crashkit.mechanics.repeated_run import RepeatedRun
 from crashkit.misfit.channel import Channel, Group
 from crashkit.misfit.readout import Readout, readout_of
 from crashkit.model import Model
+from crashkit.protocols import SensorErrors
 
 STEP = 5e-4
 """s, longest step of the integration: a twentieth of the period of a mass of 100 kg on a spring of 4 MN/m."""
@@ -80,11 +81,15 @@ class Predictor:
         """By number of the group."""
         motion, told = None, {}
         for number, (group, readout) in enumerate(zip(self.groups, self._readouts, strict=True)):
-            if group.run == run and readout is not None:
-                told[number] = self._read(readout, record, sensitivities)
-            elif group.run == run:
+            if group.run != run:
+                continue
+            if readout is None:
                 motion = repeated.motion(record) if motion is None else motion
                 told[number] = self._observe(group, motion, values, sensitivities)
+            elif self._wrong(group):
+                told[number] = self._misread(group, readout, record, values, sensitivities)
+            else:
+                told[number] = self._read(readout, record, sensitivities)
         return told
 
     @cached_property
@@ -97,13 +102,19 @@ class Predictor:
 
     @cached_property
     def _readouts(self) -> list[Readout | None]:
-        """What is read without a Dataset; an instrument with errors of its own is not."""
-        wrong = {entry.instrument for entry in self.model.instruments}
+        """What is read without a Dataset; an instrument with a wrong clock, or in several axes with any error, is not."""
         turning = len(self.model.axes) > 1
+        wrong = [self._wrong(group) for group in self.groups]
         return [
-            None if group.name in wrong else readout_of(group, self._runs[group.run], turning, SAME_INSTANT)
-            for group in self.groups
+            None
+            if errors and (turning or errors & set(group.observer.instrument_errors))
+            else readout_of(group, self._runs[group.run], turning, SAME_INSTANT)
+            for group, errors in zip(self.groups, wrong, strict=True)
         ]
+
+    def _wrong(self, group: Group) -> set[str]:
+        """The errors that the model gives an instrument."""
+        return {name for entry in self.model.instruments if entry.instrument == group.name for name in entry.parameters}
 
     def _read(self, readout: Readout, record: Record, sensitivities: bool) -> Prediction:
         samples = readout.samples(record.values)
@@ -116,31 +127,38 @@ class Predictor:
             table[:, :, self._columns] = readout.sensitivity(record.tangents)
         return Prediction(samples, table)
 
+    def _misread(self, group: Group, readout: Readout, record: Record, values: Floats, sensitivities: bool) -> Prediction:
+        wanted = sorted(self._wrong(group)) if sensitivities else []
+        read = readout.misread(record, self._errors(group, values), wanted, sensitivities)
+        samples = read.value.reshape(group.recorded.shape)
+        return Prediction(samples, self._table(group, read.slope, read.by_error, wanted) if sensitivities else None)
+
     def _observe(self, group: Group, motion: xr.Dataset, values: Floats, sensitivities: bool) -> Prediction:
         observer = group.observer
-        errors = instrument_errors(self.model, dict(zip(self.names, values.tolist(), strict=True)))
-        read = observer.predict(motion, group.dataset, errors.get(group.name))
-        samples = read.variables[observer.quantity].values.reshape(group.recorded.shape)
+        read = observer.predict(motion, group.dataset, self._errors(group, values)).variables
+        samples = read[observer.quantity].values.reshape(group.recorded.shape)
         if not sensitivities:
             return Prediction(samples, None)
-        table = np.zeros((*samples.shape, len(self.names)))
-        if self._columns:
-            given = read.variables[f"{observer.quantity}_sensitivity"].values
-            table[:, :, self._columns] = given.reshape(*samples.shape, len(self._columns))
-        own = read.variables[f"{observer.quantity}_error_sensitivity"].values.reshape(*samples.shape, -1)
-        self._add_error_columns(table, group, own)
-        return Prediction(samples, table)
+        slope = read[f"{observer.quantity}_sensitivity"].values if self._columns else None
+        by_error = read[f"{observer.quantity}_error_sensitivity"].values
+        return Prediction(samples, self._table(group, slope, by_error, [spec.name for spec in observer.errors]))
 
-    def _add_error_columns(self, table: np.ndarray, group: Group, own: np.ndarray) -> None:
-        declared = [spec.name for spec in group.observer.errors]
-        for entry in self.model.instruments:
-            if entry.instrument != group.name:
-                continue
+    def _errors(self, group: Group, values: Floats) -> SensorErrors:
+        return instrument_errors(self.model, dict(zip(self.names, values.tolist(), strict=True))).get(group.name, {})
+
+    def _table(self, group: Group, slope: np.ndarray | None, by_error: np.ndarray, errors: Sequence[str]) -> np.ndarray:
+        """The derivatives (time, column, parameter) of what an instrument reads, those to `errors` of its own among them."""
+        table = np.zeros((*group.recorded.shape, len(self.names)))
+        if slope is not None:
+            table[:, :, self._columns] = slope.reshape(*group.recorded.shape, -1)
+        own = by_error.reshape(*group.recorded.shape, -1)
+        for entry in (one for one in self.model.instruments if one.instrument == group.name):
             watched = [i for i, channel in enumerate(group.channels) if entry.sensor in _places(channel)]
             for name in entry.parameters:
                 path = f"instrument.{entry.instrument}.{entry.sensor}.{name}"
                 if path in self.names:
-                    table[:, watched, self.names.index(path)] = own[:, watched, declared.index(name)]
+                    table[:, watched, self.names.index(path)] = own[:, watched, errors.index(name)]
+        return table
 
 
 def instrument_errors(model: Model, values: Mapping[str, float]) -> dict[str, dict[str, dict[str, float]]]:

@@ -1,13 +1,16 @@
 """Instruments that show single numbers of a run, read from its record without a Dataset."""
 
+from collections.abc import Sequence
+
 import numpy as np
+import xarray as xr
 from attrs import frozen
 
 from crashkit.data.channel_filter import filter_channel
-from crashkit.mechanics.kernel.arrays import Floats, Integers
+from crashkit.mechanics.kernel.arrays import Floats, Integers, Record
 from crashkit.mechanics.repeated_run import RepeatedRun
 from crashkit.misfit.channel import Group
-from crashkit.protocols import PlainObserver
+from crashkit.protocols import Misread, PlainObserver, SensorErrors, Shown
 
 
 @frozen(eq=False)
@@ -23,6 +26,7 @@ class Readout:
         times: s, the time stamps.
         frequency_class: of the channels' filter, 0 for none.
         offset: (channel,) added to what they show.
+        observer, instrument: of the group.
     """
 
     rows: Integers
@@ -33,6 +37,8 @@ class Readout:
     times: Floats
     frequency_class: int
     offset: Floats
+    observer: PlainObserver
+    instrument: xr.Dataset
 
     def samples(self, values: Floats) -> Floats:
         """(time, channel) from the values of a record."""
@@ -44,21 +50,38 @@ class Readout:
             return np.zeros((*np.broadcast_shapes(self.rows[:, None].shape, self.entries.shape), 0))
         return self._read(tangents)
 
+    def misread(self, record: Record, errors: SensorErrors, wanted: Sequence[str], sensitivities: bool) -> Misread:
+        """What the instrument records with these errors, with derivatives to those that are wanted and to the model's."""
+        value, rate = self._course(record.values)
+        slopes = self._course(record.tangents) if sensitivities and record.tangents.shape[2] else (None, None)
+        shown = Shown(value + self.offset, slopes[0], rate, slopes[1])
+        return self.observer.misread(shown, self.instrument, errors, wanted)
+
+    def _course(self, record: Floats) -> tuple[Floats, Floats | None]:
+        """What is shown at t = 0 and then at each time stamp, and its rate."""
+        rows = np.concatenate([[0], self.rows])[:, None]
+        value = np.concatenate([record[:1, self.entries], self._unfiltered(record)])
+        return value, record[rows, self.rates] if self.rates.size else None
+
     def _read(self, record: Floats) -> Floats:
+        shown = self._unfiltered(record)
+        return filter_channel(shown, self.times, self.frequency_class, before=0.0) if self.frequency_class else shown
+
+    def _unfiltered(self, record: Floats) -> Floats:
         shown = record[self.rows[:, None], self.entries]
         before = len(self.early)
         if before and self.is_still:
             shown[:before] = 0.0
         elif before and self.rates.size:
             shown[:before] += self.early.reshape(-1, *(1,) * (shown.ndim - 1)) * record[0, self.rates]
-        return filter_channel(shown, self.times, self.frequency_class, before=0.0) if self.frequency_class else shown
+        return shown
 
 
 def readout_of(group: Group, run: RepeatedRun, turning: bool, tolerance: float) -> Readout | None:
     """The readout of a group; None where only its observer knows what it reads.
 
     Arguments:
-        group: of the recording, its instrument without errors.
+        group: of the recording; if its instrument has errors, its clock is right.
         run: whose record is read; its times hold 0 and every later time stamp to within `tolerance`, s.
         turning: whether the bodies of the model may turn.
     """
@@ -81,4 +104,6 @@ def readout_of(group: Group, run: RepeatedRun, turning: bool, tolerance: float) 
         times=group.times,
         frequency_class=int(group.dataset.attrs.get("channel_frequency_class", 0)),
         offset=reading.offset,
+        observer=group.observer,
+        instrument=group.dataset,
     )

@@ -3,7 +3,7 @@
 from crashkit.protocols.hypothesis import Hypothesis, Proposal
 from crashkit.protocols.identifier import Identification, Identifier, Problem, Regression, Status
 from crashkit.protocols.importer import Importer
-from crashkit.protocols.observer import Observer, PlainObserver, Reading, SensorErrors
+from crashkit.protocols.observer import Misread, Observer, PlainObserver, Reading, SensorErrors, Shown
 from crashkit.protocols.parameter import ParameterSpec
 from crashkit.protocols.smoother import Smoother
 from crashkit.protocols.spring_law import SpringLaw
@@ -13,6 +13,7 @@ __all__ = [
     "Identification",
     "Identifier",
     "Importer",
+    "Misread",
     "Observer",
     "ParameterSpec",
     "PlainObserver",
@@ -21,6 +22,7 @@ __all__ = [
     "Reading",
     "Regression",
     "SensorErrors",
+    "Shown",
     "Smoother",
     "SpringLaw",
     "Status",

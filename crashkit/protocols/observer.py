@@ -1,7 +1,7 @@
 """Observer: an instrument, forward (what it would record) and inverse (what it tells of the motion)."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -72,6 +72,37 @@ class Reading:
     offset: np.ndarray
 
 
+@frozen(eq=False)
+class Shown:
+    """What the channels of an instrument would read without errors and filter, at t = 0 in the first row, then at its stamps.
+
+    Arguments:
+        value: (1 + time, channel).
+        slope: its derivatives to the parameters of a model, (1 + time, channel, parameter), if they are asked for.
+        rate, rate_slope: the same of its rate; of positions only.
+    """
+
+    value: np.ndarray
+    slope: np.ndarray | None = None
+    rate: np.ndarray | None = None
+    rate_slope: np.ndarray | None = None
+
+
+@frozen(eq=False)
+class Misread:
+    """What an instrument with errors records.
+
+    Arguments:
+        value: (time, sensor, axis).
+        slope: its derivatives to the parameters of a model, (time, sensor, axis, parameter), if they are asked for.
+        by_error: its derivatives to errors of its own, (time, sensor, axis, error).
+    """
+
+    value: np.ndarray
+    slope: np.ndarray | None
+    by_error: np.ndarray
+
+
 class PlainObserver(Observer):
     """An observer whose instruments may show single numbers of the motion, so that a search need not build a Dataset."""
 
@@ -82,4 +113,15 @@ class PlainObserver(Observer):
         Arguments:
             instrument: group of a recording.
             turning: whether bodies may turn.
+        """
+
+    @abstractmethod
+    def misread(self, shown: Shown, instrument: xr.Dataset, errors: SensorErrors, wanted: Sequence[str]) -> Misread:
+        """What is recorded of what the channels would read, as `predict` says: on a line, and if the clock is right.
+
+        Arguments:
+            shown: as `reading` says.
+            instrument: group of a recording.
+            errors: as `predict` takes them.
+            wanted: names of errors whose derivatives are asked for.
         """

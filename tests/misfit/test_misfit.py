@@ -6,6 +6,7 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.errors import CrashkitError
+from crashkit.misfit import predictor
 from crashkit.misfit.channel import reweighted
 from crashkit.misfit.predictor import instrument_errors
 from crashkit.model import Body, Joint, Parameter
@@ -72,6 +73,35 @@ def test_the_jacobian_to_a_clock_is_that_of_central_differences(misfit, model, r
     run = changed(recorded(model, interval=interval), "accelerometer", as_filtered)
     one = misfit(with_errors(model, instrument, "", clock_offset=2.0 * interval), run=run)
     assert_jacobian(one.with_values({}, dict.fromkeys(one.names[:-1], False)), interval / 2, 0.02)
+
+
+WRONG = {
+    "film": {"gain": 1.02, "bias": 2e-3, "rocking_share": 0.3, "rocking_frequency": 5.0, "rocking_damping": 0.2},
+    "accelerometer": {"gain": 0.9, "lean": 0.2, "cubic": 1e-6, "hysteresis": 2.0, "saturation_knee": 30.0, "zero_shift": 4.0},
+}
+
+
+def from_before_contact(dataset):
+    return dataset.assign_coords(time=dataset["time"] - 0.02)
+
+
+@pytest.mark.parametrize("filters", [(), (as_filtered,)], ids=["as sampled", "filtered"])
+@pytest.mark.parametrize("instrument", WRONG)
+def test_what_is_read_without_a_motion_is_what_the_observer_says_of_it(
+    misfit, model, recorded, changed, with_errors, filters, instrument, monkeypatch
+):
+    run = changed(recorded(model), instrument, from_before_contact)
+    for change in filters:
+        run = changed(run, "accelerometer", change)
+    sensor = run[instrument][{"film": "marker", "accelerometer": "sensor"}[instrument]].values[0]
+    wrong = with_errors(model, instrument, str(sensor), **WRONG[instrument])
+    told = []
+    for _ in range(2):
+        one = misfit(wrong, run=run)
+        told.append((one.residual(one.start()), *one.residual_and_jacobian(one.start())))
+        monkeypatch.setattr(predictor, "readout_of", lambda *_: None)
+    for without, of_motion in zip(*told, strict=True):
+        np.testing.assert_allclose(without, of_motion, rtol=1e-9, atol=1e-9 * np.abs(of_motion).max())
 
 
 def assert_jacobian(problem, step, accuracy):

@@ -43,8 +43,19 @@ def in_best_forms(
         forms = in_all_forms(inquiry, look.leader, others, search)
         best = next(iter(ranked_by_evidence(forms, search.deviance + look.leader.drop)), look.leader)
         if best.evidence > look.leader.evidence:
-            looks[index], search = evolve(look, rivals=(best, *look.rivals[1:])), best.search
+            seen = _as_seen(inquiry.workshop, look, best)
+            looks[index], search = evolve(look, rivals=(seen, *look.rivals[1:])), best.search
     return looks, search
+
+
+def _as_seen(workshop: Workshop, look: Round, rival: Rival) -> Rival:
+    """The rival fitted to what its look was made at, from which instruments may have been set aside that are now believed."""
+    names, before = ([channel.name for channel in one.channels] for one in (rival.search.misfit, look.before))
+    if names == before:
+        return rival
+    fitted = rival.search.fitted()
+    misfit = workshop.equipped([fitted.model]).misfit(look.before, fitted.model)
+    return evolve(rival, search=begin(workshop.identifier, misfit).advance(ALONE))
 
 
 def in_all_forms(inquiry: Inquiry, rival: Rival, others: Sequence[Rival], search: Search) -> list[Entrant]:

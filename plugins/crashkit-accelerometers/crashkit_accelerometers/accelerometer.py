@@ -1,12 +1,14 @@
 """Accelerometers: sensors at points of bodies that may turn."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 
 from crashkit.data.instrument_errors import CLOCK_ERRORS, ROCKING
 from crashkit.data.schema import Attribute, GroupSchema, Variable
 from crashkit.errors import CrashkitError
-from crashkit.protocols import PlainObserver, Reading, SensorErrors
+from crashkit.protocols import Misread, PlainObserver, Reading, SensorErrors, Shown
 from crashkit_accelerometers.chain import Own
 from crashkit_accelerometers.error_specs import AXES, LEAN, POSITION_ERRORS, channel_errors
 from crashkit_accelerometers.point_acceleration import felt_by_points
@@ -16,6 +18,7 @@ from crashkit_accelerometers.sensor_channel import (
     DIMS,
     bodies_of,
     felt_in_laboratory,
+    misread_channels,
     own_errors,
     plain_reading,
     predict_channels,
@@ -66,6 +69,10 @@ class Accelerometer(PlainObserver):
         if turning and (instrument.attrs.get("frame") == "body" or instrument.variables["sensor_point"].values.any()):
             return None
         return plain_reading(instrument, "acceleration")
+
+    def misread(self, shown: Shown, instrument: xr.Dataset, errors: SensorErrors, wanted: Sequence[str]) -> Misread:
+        """As `PlainObserver.misread` says."""
+        return misread_channels(self, shown, instrument, errors, wanted)
 
     def reconstruct(self, instrument: xr.Dataset) -> xr.Dataset:
         """What the sensors tell of the motion without knowing how it began.

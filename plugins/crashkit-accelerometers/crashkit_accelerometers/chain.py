@@ -1,6 +1,6 @@
 """The measuring chain behind the sensing element: mount, gain, linearity, hysteresis, saturation, offset, filter."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 
 import numpy as np
 from scipy.constants import g
@@ -22,16 +22,24 @@ class Chain:
         model: derivatives to the model's parameters, (time, channel, parameter), if there are any.
         own: error parameters, (channel,).
         times: s, time stamps.
+        wanted: errors whose derivatives are asked for.
     """
 
     def __init__(
-        self, value: np.ndarray, errors: dict[str, np.ndarray] | None, model: np.ndarray | None, own: Own, times: np.ndarray
+        self,
+        value: np.ndarray,
+        errors: dict[str, np.ndarray] | None,
+        model: np.ndarray | None,
+        own: Own,
+        times: np.ndarray,
+        wanted: Container[str] = (),
     ) -> None:
         self.value = value
         self.errors = errors
         self.model = model
         self._own = own
         self._times = times
+        self._wanted = wanted
 
     def run(self, channel_frequency_class: int) -> None:
         """Every effect, in the order of the chain."""
@@ -168,9 +176,11 @@ class Chain:
 
     def filter(self, channel_frequency_class: int) -> None:
         """The filter, which a constant passes unchanged; before the first sample the sensor felt nothing but gravity."""
+        if self.errors is not None:
+            self.errors = {name: column for name, column in self.errors.items() if name in self._wanted}
         if channel_frequency_class:
             self._filter(channel_frequency_class)
-        if self.errors is not None:
+        if self.errors is not None and "bias" in self._wanted:
             self.errors["bias"] = np.ones_like(self.value)
 
     def _filter(self, channel_frequency_class: int) -> None:
@@ -196,7 +206,8 @@ class Chain:
 
     def _acts(self, *names: str) -> bool:
         """Whether an effect changes the reading, or its derivatives are asked for."""
-        return self.errors is not None or any(self._own[name].any() for name in names)
+        asked = self.errors is not None and any(name in self._wanted for name in names)
+        return asked or any(self._own[name].any() for name in names)
 
     def _each(self, change: Callable[[np.ndarray], np.ndarray]) -> None:
         """Apply a linear map to every derivative; it takes and returns (time, channel, column)."""

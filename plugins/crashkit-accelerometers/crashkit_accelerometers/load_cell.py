@@ -1,18 +1,21 @@
 """Load cells: the force that a body, usually the obstacle, receives from the joints."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 
 from crashkit.data.instrument_errors import CLOCK_ERRORS
 from crashkit.data.schema import GroupSchema, Variable
 from crashkit.errors import CrashkitError
-from crashkit.protocols import PlainObserver, Reading, SensorErrors
+from crashkit.protocols import Misread, PlainObserver, Reading, SensorErrors, Shown
 from crashkit_accelerometers.error_specs import channel_errors
 from crashkit_accelerometers.sensor_channel import (
     CHANNEL_FREQUENCY_CLASS,
     DIMS,
     bodies_of,
     felt_in_laboratory,
+    misread_channels,
     own_errors,
     plain_reading,
     predict_channels,
@@ -53,6 +56,10 @@ class LoadCell(PlainObserver):
         """The forces of the joints on the bodies."""
         _refuse_shared_bodies(instrument)
         return plain_reading(instrument, "contact_force")
+
+    def misread(self, shown: Shown, instrument: xr.Dataset, errors: SensorErrors, wanted: Sequence[str]) -> Misread:
+        """As `PlainObserver.misread` says."""
+        return misread_channels(self, shown, instrument, errors, wanted)
 
     def reconstruct(self, instrument: xr.Dataset) -> xr.Dataset:
         """The force that each body receives, `contact_force` (time, body, axis).

@@ -1,5 +1,6 @@
 """From what sensors feel to what they record, and back to the bodies."""
 
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -10,7 +11,7 @@ from xarray.core.indexing import LazilyIndexedArray
 from crashkit.data.instrument_errors import error_values, positions, prediction_coordinates, true_times
 from crashkit.data.schema import Attribute
 from crashkit.errors import CrashkitError
-from crashkit.protocols import Observer, Reading, SensorErrors
+from crashkit.protocols import Misread, Observer, Reading, SensorErrors, Shown
 from crashkit_accelerometers.chain import Chain, Own
 from crashkit_accelerometers.error_specs import AXES
 from crashkit_accelerometers.lazy import Lazy
@@ -83,6 +84,20 @@ def predict_channels(observer: Observer, motion: xr.Dataset, instrument: xr.Data
     return xr.Dataset(variables, prediction_coordinates(observer, motion, instrument))
 
 
+def misread_channels(
+    observer: Observer, shown: Shown, instrument: xr.Dataset, errors: SensorErrors, wanted: Sequence[str]
+) -> Misread:
+    """What sensors record on bodies that do not turn, as `PlainObserver.misread` says."""
+    own = own_errors(observer, instrument, errors)
+    shape, times = own["gain"].shape, instrument.variables["time"].values
+    value = shown.value[1:].reshape(-1, *shape)
+    slope = None if shown.slope is None else shown.slope[1:].reshape(*value.shape, -1)
+    axes = tuple(instrument.variables["axis"].values.tolist())
+    felt = Felt(times, value, slope, None, np.arange(shape[0]), axes)
+    channels = Channels(felt, own, axes, times, int(instrument.attrs.get("channel_frequency_class", 0)))
+    return Misread(*channels.values(), channels.by_errors(tuple(wanted)))
+
+
 @frozen(eq=False)
 class Channels:
     """The channels of an instrument: their readings, and the derivatives of these.
@@ -111,17 +126,20 @@ class Channels:
         return self._padded(chain.value, known), None if chain.model is None else self._padded(chain.model, known)
 
     def by_errors(self, names: tuple[str, ...]) -> np.ndarray:
-        """The derivatives to errors, (time, sensor, axis, error)."""
+        """The derivatives to these errors, (time, sensor, axis, error)."""
+        if not names:
+            return np.zeros((len(self.times), *self.own["gain"].shape, 0))
         felt, (at, known) = self.felt, self._at()
         mixing, by_direction = directions(self.own, self.axes, felt.axes)
-        lateness = self._lateness(mixing, at)
-        errors = {"clock_offset": lateness, "clock_rate": self.times[known][:, None] * lateness}
-        errors |= {name: felt.sampled(felt.values, change, at)[..., 0] for name, change in by_direction.items()}
+        errors = {n: felt.sampled(felt.values, change, at)[..., 0] for n, change in by_direction.items() if n in names}
+        if "clock_offset" in names or "clock_rate" in names:
+            lateness = self._lateness(mixing, at)
+            errors |= {"clock_offset": lateness, "clock_rate": self.times[known][:, None] * lateness}
         if felt.by_point is not None:
             by_point = felt.sampled(felt.by_point, mixing, at)
             errors |= {f"position_{axis}": by_point[..., index] for index, axis in enumerate(AXES)}
         value = felt.sampled(felt.values, mixing, at)[..., 0]
-        chain = self._through(Chain(value, errors, None, self._flat(), self.times[known]))
+        chain = self._through(Chain(value, errors, None, self._flat(), self.times[known], names))
         table = np.zeros((len(names), len(self.times), *self.own["gain"].shape))
         for name, column in (chain.errors or {}).items():
             table[names.index(name), known] = column.reshape(-1, *table.shape[2:])

@@ -1,14 +1,16 @@
 """Film that has been reconstructed: the positions of markers in the laboratory frame."""
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 import xarray as xr
 
 from crashkit.data.instrument_errors import CLOCK, CLOCK_ERRORS, ROCKING, error_values, prediction_coordinates, true_times
 from crashkit.data.schema import GroupSchema, Variable
 from crashkit.data.schemas import body_of, point_of, std_of
-from crashkit.protocols import ParameterSpec, PlainObserver, Reading, SensorErrors
+from crashkit.protocols import Misread, ParameterSpec, PlainObserver, Reading, SensorErrors, Shown
 from crashkit_cameras.body_motion import body_motion
-from crashkit_cameras.marker_motion import marker_motion
+from crashkit_cameras.marker_motion import MarkerMotion, marker_motion, seen_as
 from crashkit_cameras.rocking import Rocking
 
 DIMS = ("time", "marker", "axis")
@@ -45,30 +47,17 @@ class Film(PlainObserver):
         """The markers' positions, as `Observer.predict` says."""
         axes = instrument.variables["axis"].values.tolist()
         own = error_values(self, instrument.variables["marker"].values.tolist(), axes, errors)
-        gain, bias = own["gain"], own["bias"]
         stamps = instrument.variables["time"].values
         at = true_times(stamps, own)
         points = instrument.variables["marker_point"].values
         seen = marker_motion(self, motion, instrument.variables["marker_body"].values.tolist(), points, axes, at)
-
-        share, rocking = own["rocking_share"], Rocking(seen, at, own["rocking_frequency"], own["rocking_damping"])
-        displacement, velocity = seen.position - seen.start, seen.velocity
-        aside = rocking.displacement()
-        by_shape = (np.zeros_like(aside),) * 2
-        if share.any():
-            displacement, velocity = displacement + share * aside, velocity + share * rocking.rate()
-            by_shape = rocking.derivatives()
-        late = -gain * velocity, -gain * velocity * stamps[:, None, None]
-        slopes = (displacement, np.ones_like(aside), *late, gain * aside, *(gain * share * one for one in by_shape))
+        read = _recorded(seen, stamps, at, own, [spec.name for spec in self.errors])
         predicted = {
-            "position": xr.Variable(DIMS, seen.start + gain * displacement + bias, {"units": "m"}),
-            "position_error_sensitivity": xr.Variable((*DIMS, "error"), np.stack(slopes, axis=-1)),
+            "position": xr.Variable(DIMS, read.value, {"units": "m"}),
+            "position_error_sensitivity": xr.Variable((*DIMS, "error"), read.by_error),
         }
-        if seen.slope is not None and seen.start_slope is not None and seen.start_velocity_slope is not None:
-            slope = seen.slope - seen.start_slope
-            if share.any():
-                slope = slope + share[..., None] * rocking.linear(slope - at[:, None, None, None] * seen.start_velocity_slope)
-            predicted["position_sensitivity"] = xr.Variable((*DIMS, "parameter"), seen.start_slope + gain[..., None] * slope)
+        if read.slope is not None:
+            predicted["position_sensitivity"] = xr.Variable((*DIMS, "parameter"), read.slope)
         return xr.Dataset(predicted, prediction_coordinates(self, motion, instrument))
 
     def reading(self, instrument: xr.Dataset, turning: bool) -> Reading | None:
@@ -79,6 +68,13 @@ class Film(PlainObserver):
         axes = instrument.variables["axis"].values.tolist()
         bodies = [body for body in instrument.variables["marker_body"].values.tolist() for _ in axes]
         return Reading("position", tuple(bodies), tuple(axes) * len(points), points.ravel())
+
+    def misread(self, shown: Shown, instrument: xr.Dataset, errors: SensorErrors, wanted: Sequence[str]) -> Misread:
+        """As `PlainObserver.misread` says."""
+        axes = instrument.variables["axis"].values.tolist()
+        own = error_values(self, instrument.variables["marker"].values.tolist(), axes, errors)
+        stamps = instrument.variables["time"].values
+        return _recorded(seen_as(shown, len(axes)), stamps, stamps, own, wanted)
 
     def reconstruct(self, instrument: xr.Dataset) -> xr.Dataset:
         """The bodies' positions and orientations, as `body_motion` says, from the markers that are visible.
@@ -91,3 +87,32 @@ class Film(PlainObserver):
             variance = instrument["position_std"].values[:, None, None] ** 2 * np.eye(positions.shape[2])
             covariance = np.broadcast_to(variance, (len(positions), *variance.shape))
         return body_motion(instrument, positions, covariance, np.zeros((*positions.shape, 0)))
+
+
+def _recorded(
+    seen: MarkerMotion, stamps: np.ndarray, at: np.ndarray, own: Mapping[str, np.ndarray], wanted: Sequence[str]
+) -> Misread:
+    """What a film with errors shows of markers that it saw at `at` and stamped with `stamps`, s, (time,)."""
+    gain, share = own["gain"], own["rocking_share"]
+    displacement, velocity = seen.position - seen.start, seen.velocity
+    slope = None if seen.slope is None else seen.slope - seen.start_slope
+    slopes: dict[str, np.ndarray] = {}
+    if share.any() or "rocking_share" in wanted:
+        rocking = Rocking(seen, at, own["rocking_frequency"], own["rocking_damping"])
+        aside = rocking.displacement()
+        slopes["rocking_share"] = gain * aside
+    if share.any():
+        displacement, velocity = displacement + share * aside, velocity + share * rocking.rate()
+        by_shape = rocking.derivatives()
+        slopes |= zip(("rocking_frequency", "rocking_damping"), (gain * share * one for one in by_shape), strict=True)
+        if slope is not None:
+            slope = slope + share[..., None] * rocking.linear(slope - at[:, None, None, None] * seen.start_velocity_slope)
+    late = -gain * velocity
+    slopes |= {"gain": displacement, "bias": np.ones_like(late)}
+    slopes |= {"clock_offset": late, "clock_rate": late * stamps[:, None, None]}
+    by_error = [slopes.get(name, np.zeros_like(late)) for name in wanted]
+    return Misread(
+        seen.start + gain * displacement + own["bias"],
+        None if slope is None else seen.start_slope + gain[..., None] * slope,
+        np.stack(by_error, axis=-1) if by_error else np.zeros((*late.shape, 0)),
+    )

@@ -8,7 +8,7 @@ from attrs import frozen
 
 from crashkit.data.instrument_errors import positions
 from crashkit.errors import CrashkitError
-from crashkit.protocols import Observer
+from crashkit.protocols import Observer, Shown
 
 AXES = ("x", "y", "z")
 
@@ -76,6 +76,19 @@ def marker_motion(
     return MarkerMotion(
         position, velocity, nodes.position[0], nodes.velocity[0], slope, nodes.slope[0], nodes.velocity_slope[0]
     )
+
+
+def seen_as(shown: Shown, axes: int) -> MarkerMotion:
+    """The motion of markers on bodies that do not turn, from what an instrument shows of it along so many axes."""
+
+    if shown.rate is None:
+        raise ValueError("expected the rates of positions, found none")
+    position, velocity = (columns.reshape(len(columns), -1, axes) for columns in (shown.value, shown.rate))
+    motion = position[1:], velocity[1:], position[0], velocity[0]
+    if shown.slope is None or shown.rate_slope is None:
+        return MarkerMotion(*motion, None, None, None)
+    slope, rate_slope = (columns.reshape(*position.shape, -1) for columns in (shown.slope, shown.rate_slope))
+    return MarkerMotion(*motion, slope[1:], slope[0], rate_slope[0])
 
 
 def rotation_of(quaternion: np.ndarray) -> np.ndarray:

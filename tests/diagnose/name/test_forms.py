@@ -7,6 +7,7 @@ from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.look import LEAST_DROP, Round
+from crashkit.diagnose.name.needed import run_drops
 from crashkit.diagnose.name.rivals import further_rivals, nearest_rivals
 from crashkit.diagnose.name.rounds import reconsidered
 from crashkit.model import Parameter
@@ -70,6 +71,21 @@ def test_a_better_form_takes_the_place_of_a_poor_one(inquiry, base, finding):
     assert better.leader.drop == pytest.approx(without.deviance - search.deviance)
     values = search.misfit.values(search.point)
     assert values["joint.first.rate_exponent"] == pytest.approx(POWER["rate_exponent"], abs=0.1)
+
+
+def test_a_better_form_is_fitted_to_the_instruments_that_its_look_was_made_at(inquiry, base, finding, workshop):
+    """An accelerometer that was set aside is believed again once what is wrong with it is known."""
+    without = base("rate_power", POWER)
+    films = {run: tree.drop_nodes("accelerometer") for run, tree in without.misfit.recordings.items()}
+    aside = begin(workshop.identifier, workshop.first_misfit(without.fitted().model, films)).advance(40)
+    look = finding(aside, "rate_dependence", "linear")
+    (better,), search = in_best_forms(inquiry(without), [look], finding(without, "rate_dependence", "linear").leader.search)
+    seen = better.leader.search.misfit
+    assert better.leader.proposal.form == "power"
+    assert [channel.name for channel in seen.channels] == [channel.name for channel in better.before.channels]
+    assert len(search.misfit.channels) == 2 * len(seen.channels)
+    drops = run_drops(better.before, better.leader.search.fitted())
+    assert sum(drops.values()) == pytest.approx(aside.deviance - better.leader.search.deviance)
 
 
 def test_a_form_that_leaves_nothing_is_not_questioned(inquiry, base, finding):
