@@ -102,14 +102,11 @@ class Predictor:
 
     @cached_property
     def _readouts(self) -> list[Readout | None]:
-        """What is read without a Dataset; an instrument with a wrong clock, or in several axes with any error, is not."""
+        """What is read without a Dataset; an instrument with errors is not in several axes."""
         turning = len(self.model.axes) > 1
-        wrong = [self._wrong(group) for group in self.groups]
         return [
-            None
-            if errors and (turning or errors & set(group.observer.instrument_errors))
-            else readout_of(group, self._runs[group.run], turning, SAME_INSTANT)
-            for group, errors in zip(self.groups, wrong, strict=True)
+            None if turning and self._wrong(group) else readout_of(group, self._runs[group.run], turning, SAME_INSTANT)
+            for group in self.groups
         ]
 
     def _wrong(self, group: Group) -> set[str]:

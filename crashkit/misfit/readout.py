@@ -27,6 +27,7 @@ class Readout:
         frequency_class: of the channels' filter, 0 for none.
         offset: (channel,) added to what they show.
         observer, instrument: of the group.
+        nodes: s, times of the record.
     """
 
     rows: Integers
@@ -39,6 +40,7 @@ class Readout:
     offset: Floats
     observer: PlainObserver
     instrument: xr.Dataset
+    nodes: Floats
 
     def samples(self, values: Floats) -> Floats:
         """(time, channel) from the values of a record."""
@@ -52,36 +54,30 @@ class Readout:
 
     def misread(self, record: Record, errors: SensorErrors, wanted: Sequence[str], sensitivities: bool) -> Misread:
         """What the instrument records with these errors, with derivatives to those that are wanted and to the model's."""
-        value, rate = self._course(record.values)
-        slopes = self._course(record.tangents) if sensitivities and record.tangents.shape[2] else (None, None)
-        shown = Shown(value + self.offset, slopes[0], rate, slopes[1])
+        value, rate = self._courses(record.values)
+        slopes = self._courses(record.tangents) if sensitivities and record.tangents.shape[2] else (None, None)
+        shown = Shown(self.nodes, value + self.offset, slopes[0], rate, slopes[1])
         return self.observer.misread(shown, self.instrument, errors, wanted)
 
-    def _course(self, record: Floats) -> tuple[Floats, Floats | None]:
-        """What is shown at t = 0 and then at each time stamp, and its rate."""
-        rows = np.concatenate([[0], self.rows])[:, None]
-        value = np.concatenate([record[:1, self.entries], self._unfiltered(record)])
-        return value, record[rows, self.rates] if self.rates.size else None
+    def _courses(self, record: Floats) -> tuple[Floats, Floats | None]:
+        """What is shown at every node, and its rate where that is known."""
+        return record[:, self.entries], record[:, self.rates] if self.rates.size else None
 
     def _read(self, record: Floats) -> Floats:
-        shown = self._unfiltered(record)
-        return filter_channel(shown, self.times, self.frequency_class, before=0.0) if self.frequency_class else shown
-
-    def _unfiltered(self, record: Floats) -> Floats:
         shown = record[self.rows[:, None], self.entries]
         before = len(self.early)
         if before and self.is_still:
             shown[:before] = 0.0
         elif before and self.rates.size:
             shown[:before] += self.early.reshape(-1, *(1,) * (shown.ndim - 1)) * record[0, self.rates]
-        return shown
+        return filter_channel(shown, self.times, self.frequency_class, before=0.0) if self.frequency_class else shown
 
 
 def readout_of(group: Group, run: RepeatedRun, turning: bool, tolerance: float) -> Readout | None:
     """The readout of a group; None where only its observer knows what it reads.
 
     Arguments:
-        group: of the recording; if its instrument has errors, its clock is right.
+        group: of the recording.
         run: whose record is read; its times hold 0 and every later time stamp to within `tolerance`, s.
         turning: whether the bodies of the model may turn.
     """
@@ -106,4 +102,5 @@ def readout_of(group: Group, run: RepeatedRun, turning: bool, tolerance: float) 
         offset=reading.offset,
         observer=group.observer,
         instrument=group.dataset,
+        nodes=run.times,
     )

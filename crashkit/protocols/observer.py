@@ -74,14 +74,16 @@ class Reading:
 
 @frozen(eq=False)
 class Shown:
-    """What the channels of an instrument would read without errors and filter, at t = 0 in the first row, then at its stamps.
+    """What the channels of an instrument would read without errors and filter.
 
     Arguments:
-        value: (1 + time, channel).
-        slope: its derivatives to the parameters of a model, (1 + time, channel, parameter), if they are asked for.
+        times: s, (node,) increasing from 0 to beyond the last time stamp.
+        value: (node, channel).
+        slope: its derivatives to the parameters of a model, (node, channel, parameter), if they are asked for.
         rate, rate_slope: the same of its rate; of positions only.
     """
 
+    times: np.ndarray
     value: np.ndarray
     slope: np.ndarray | None = None
     rate: np.ndarray | None = None
@@ -117,7 +119,7 @@ class PlainObserver(Observer):
 
     @abstractmethod
     def misread(self, shown: Shown, instrument: xr.Dataset, errors: SensorErrors, wanted: Sequence[str]) -> Misread:
-        """What is recorded of what the channels would read, as `predict` says: on a line, and if the clock is right.
+        """What is recorded of what the channels would read, as `predict` says, on a line.
 
         Arguments:
             shown: as `reading` says.

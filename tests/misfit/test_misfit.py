@@ -95,6 +95,7 @@ def test_what_is_read_without_a_motion_is_what_the_observer_says_of_it(
         run = changed(run, "accelerometer", change)
     sensor = run[instrument][{"film": "marker", "accelerometer": "sensor"}[instrument]].values[0]
     wrong = with_errors(model, instrument, str(sensor), **WRONG[instrument])
+    wrong = with_errors(wrong, instrument, "", clock_offset=3e-4, clock_rate=-1e-3)
     told = []
     for _ in range(2):
         one = misfit(wrong, run=run)

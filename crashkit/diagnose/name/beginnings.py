@@ -22,7 +22,6 @@ def begun_otherwise(inquiry: Inquiry, first: Round, least: float) -> tuple[Round
         least: deviance that the two must stay below.
     """
     best = None
-    inquiry.progress(f"fitting all forms of {first.leader.proposal.physics}", 0.0)
     for rival in _others(inquiry, first):
         second = look_again(inquiry, rival.search.fitted(), [rival], quick=True)
         winner = second.winner

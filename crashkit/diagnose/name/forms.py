@@ -39,7 +39,6 @@ def in_best_forms(
         if is_unknown(look.leader) or (explains(search) and not thorough):
             continue
         others = [other.leader for other in looks if other is not look]
-        inquiry.progress(f"fitting all forms of {look.leader.proposal.physics}", index / len(looks))
         forms = in_all_forms(inquiry, look.leader, others, search)
         best = next(iter(ranked_by_evidence(forms, search.deviance + look.leader.drop)), look.leader)
         if best.evidence > look.leader.evidence:
@@ -70,7 +69,10 @@ def in_all_forms(inquiry: Inquiry, rival: Rival, others: Sequence[Rival], search
         return []
     equipped = inquiry.workshop.equipped([form.model for form in forms])
     starts = [(form, {**form.null, **start}) for form in forms for start in _starts(form, rival.proposal, found)]
-    ahead = spread(partial(_alone, equipped, origin, search.fitted()), starts)
+    doing = f"fitting all forms of {rival.proposal.physics}"
+    ahead = spread(
+        partial(_alone, equipped, origin, search.fitted()), starts, lambda done: inquiry.progress(doing, done / len(starts))
+    )
     misfits = [with_form(equipped, origin, form, values) for (form, _), values in zip(starts, ahead, strict=True)]
     searches = begin_all(equipped.identifier, misfits)
     return _fitted(list(zip((form for form, _ in starts), searches, strict=True)))

@@ -89,12 +89,12 @@ def misread_channels(
 ) -> Misread:
     """What sensors record on bodies that do not turn, as `PlainObserver.misread` says."""
     own = own_errors(observer, instrument, errors)
-    shape, times = own["gain"].shape, instrument.variables["time"].values
-    value = shown.value[1:].reshape(-1, *shape)
-    slope = None if shown.slope is None else shown.slope[1:].reshape(*value.shape, -1)
+    value = shown.value.reshape(-1, *own["gain"].shape)
+    slope = None if shown.slope is None else shown.slope.reshape(*value.shape, -1)
     axes = tuple(instrument.variables["axis"].values.tolist())
-    felt = Felt(times, value, slope, None, np.arange(shape[0]), axes)
-    channels = Channels(felt, own, axes, times, int(instrument.attrs.get("channel_frequency_class", 0)))
+    felt = Felt(shown.times, value, slope, None, np.arange(value.shape[1]), axes)
+    cfc = int(instrument.attrs.get("channel_frequency_class", 0))
+    channels = Channels(felt, own, axes, instrument.variables["time"].values, cfc)
     return Misread(*channels.values(), channels.by_errors(tuple(wanted)))
 
 

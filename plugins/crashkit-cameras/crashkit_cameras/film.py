@@ -10,7 +10,7 @@ from crashkit.data.schema import GroupSchema, Variable
 from crashkit.data.schemas import body_of, point_of, std_of
 from crashkit.protocols import Misread, ParameterSpec, PlainObserver, Reading, SensorErrors, Shown
 from crashkit_cameras.body_motion import body_motion
-from crashkit_cameras.marker_motion import MarkerMotion, marker_motion, seen_as
+from crashkit_cameras.marker_motion import MarkerMotion, marker_motion, shown_motion
 from crashkit_cameras.rocking import Rocking
 
 DIMS = ("time", "marker", "axis")
@@ -74,7 +74,8 @@ class Film(PlainObserver):
         axes = instrument.variables["axis"].values.tolist()
         own = error_values(self, instrument.variables["marker"].values.tolist(), axes, errors)
         stamps = instrument.variables["time"].values
-        return _recorded(seen_as(shown, len(axes)), stamps, stamps, own, wanted)
+        at = true_times(stamps, own)
+        return _recorded(shown_motion(shown, len(axes), at), stamps, at, own, wanted)
 
     def reconstruct(self, instrument: xr.Dataset) -> xr.Dataset:
         """The bodies' positions and orientations, as `body_motion` says, from the markers that are visible.

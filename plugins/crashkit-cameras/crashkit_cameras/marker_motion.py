@@ -63,12 +63,32 @@ def marker_motion(
         in_space: whether along an axis that the motion lacks the bodies rest at 0; if not, it is asked for.
     """
     times = motion.variables["time"].values
+    rows, before, after = _neighbours(times, at)
+    moving = [axis for axis in axes if axis in motion.variables["axis"].values] if in_space else axes
+    return _between(times[rows], _nodes(observer, motion, rows, bodies, points, axes, moving), before, after, at)
+
+
+def shown_motion(shown: Shown, axes: int, at: np.ndarray) -> MarkerMotion:
+    """The same of markers on bodies that do not turn, from what an instrument shows of them along so many axes."""
+    rows, before, after = _neighbours(shown.times, at)
+
+    def by_marker(columns: np.ndarray | None) -> np.ndarray | None:
+        return None if columns is None else columns[rows].reshape(len(rows), -1, axes, *columns.shape[2:])
+
+    position, velocity = by_marker(shown.value), by_marker(shown.rate)
+    assert position is not None and velocity is not None
+    nodes = _Nodes(position, velocity, by_marker(shown.slope), by_marker(shown.rate_slope))
+    return _between(shown.times[rows], nodes, before, after, at)
+
+
+def _neighbours(times: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Which nodes are needed, the first among them, and between which two of these each of the times `at` is."""
     after = np.searchsorted(times, at, side="right").clip(1, len(times) - 1)
     rows, places = np.unique(np.concatenate([[0], after - 1, after]), return_inverse=True)
-    before, after = places[1 : len(at) + 1], places[len(at) + 1 :]
-    moving = [axis for axis in axes if axis in motion.variables["axis"].values] if in_space else axes
-    nodes = _nodes(observer, motion, rows, bodies, points, axes, moving)
-    instants = times[rows]
+    return rows, places[1 : len(at) + 1], places[len(at) + 1 :]
+
+
+def _between(instants: np.ndarray, nodes: _Nodes, before: np.ndarray, after: np.ndarray, at: np.ndarray) -> MarkerMotion:
     position, velocity = _interpolated(instants, nodes.position, nodes.velocity, before, after, at)
     if nodes.slope is None or nodes.velocity_slope is None:
         return MarkerMotion(position, velocity, nodes.position[0], nodes.velocity[0], None, None, None)
@@ -76,19 +96,6 @@ def marker_motion(
     return MarkerMotion(
         position, velocity, nodes.position[0], nodes.velocity[0], slope, nodes.slope[0], nodes.velocity_slope[0]
     )
-
-
-def seen_as(shown: Shown, axes: int) -> MarkerMotion:
-    """The motion of markers on bodies that do not turn, from what an instrument shows of it along so many axes."""
-
-    if shown.rate is None:
-        raise ValueError("expected the rates of positions, found none")
-    position, velocity = (columns.reshape(len(columns), -1, axes) for columns in (shown.value, shown.rate))
-    motion = position[1:], velocity[1:], position[0], velocity[0]
-    if shown.slope is None or shown.rate_slope is None:
-        return MarkerMotion(*motion, None, None, None)
-    slope, rate_slope = (columns.reshape(*position.shape, -1) for columns in (shown.slope, shown.rate_slope))
-    return MarkerMotion(*motion, slope[1:], slope[0], rate_slope[0])
 
 
 def rotation_of(quaternion: np.ndarray) -> np.ndarray:
