@@ -111,7 +111,7 @@ def of_prediction(fits: Mapping[str, Fit]) -> list[str]:
 
 def cut_short(diagnosis: Diagnosis, seconds: float) -> Diagnosis:
     """The diagnosis that could not ask everything, and says so."""
-    sentence = f"the time for questions was up after {seconds:.0f} s: other causes, forms, or more of them may explain this better"
+    sentence = f"the time for questions was up after {seconds:.0f} s: other causes or forms, or more of them, may fit better"
     return evolve(diagnosis, summary=f"{diagnosis.summary}\n{sentence}", notes=(sentence, *diagnosis.notes))
 
 
