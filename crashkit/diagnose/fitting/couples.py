@@ -173,10 +173,10 @@ def _begun(workshop: Workshop, given: Misfit, promise: Promise) -> _Begun | None
 def _simulated(workshop: Workshop, begun: Sequence[_Begun], progress: Progress) -> list[Couple]:
     """Those that leave least, with simulations; the most evident first."""
     ahead = sorted(begun, key=lambda one: one.left)[: HEATS[0][0]]
-    progress(f"showing the recordings to {len(ahead)} couples", 0.0)
     ends = spread(lambda one: regression(workshop, one.misfit), ahead)
     starts = [one.misfit if end is None else one.misfit.with_values(end[0]) for one, end in zip(ahead, ends, strict=True)]
-    searches = simulated(workshop.identifier, starts, [True] * len(starts))
+    doing = f"showing the recordings to {len(ahead)} couples"
+    searches = simulated(workshop.identifier, starts, [True] * len(starts), lambda share: progress(doing, share))
     couples = [Couple(one.first, one.second, search) for one, search in zip(ahead, searches, strict=True)]
     for size, steps in HEATS:
         couples = sorted(couples, key=_cost)

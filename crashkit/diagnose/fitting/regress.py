@@ -1,6 +1,6 @@
 """Where the equations of motion lead each claim along the motion that was measured, in which no error leads another astray."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -72,19 +72,27 @@ def regressed(
     ahead = _ranked([proposal for proposal, _ in ahead], spread(ended, ahead))[: HEATS[0][0]]
     starts = [workshop.misfit(given, proposal.model).with_values(values) for proposal, (values, _) in ahead]
     known = [proposal.physics != UNKNOWN for proposal, _ in ahead]
-    progress(f"showing the recordings to {len(starts)} claims", 0.0)
-    searches = simulated(workshop.identifier, starts, known)
+    doing = f"showing the recordings to {len(starts)} claims"
+    searches = simulated(workshop.identifier, starts, known, lambda share: progress(doing, share))
     return heats(list(zip((proposal for proposal, _ in ahead), searches, strict=True)), HEATS, progress)
 
 
-def simulated(identifier: Identifier[Any], starts: Sequence[Misfit], known: Sequence[bool]) -> list[Search]:
+def simulated(
+    identifier: Identifier[Any], starts: Sequence[Misfit], known: Sequence[bool], told: Callable[[float], None]
+) -> list[Search]:
     """Searches with simulations from where the equations have led: at once, and until a known claim explains everything, a few
-    at a time, little by little too; the better of both."""
+    at a time, little by little too; the better of both.
+
+    Arguments:
+        told: the share that is done; where it raises, nothing more is.
+    """
+    told(0.0)
     searches = advance_all(begin_all(identifier, starts), STEPS)
     order = sorted(range(len(starts)), key=lambda one: (not known[one], searches[one].state.cost))
     for first in range(0, len(order), AT_A_TIME):
         if any(is_known and explains(search) for is_known, search in zip(known, searches, strict=True)):
             break
+        told(first / len(order))
         few = order[first : first + AT_A_TIME]
         for one, search in zip(few, _by_and_by(identifier, [starts[one] for one in few]), strict=True):
             searches[one] = min(searches[one], search, key=lambda search: search.state.cost)
