@@ -56,6 +56,12 @@ class Group:
     recorded: np.ndarray
     channels: tuple[Channel, ...]
 
+    def without(self, sensor: str) -> "Group":
+        """The same as if a sensor had recorded nothing."""
+        hidden = [channel.sensor == sensor for channel in self.channels]
+        channels = (evolve(one, samples=0) if gone else one for one, gone in zip(self.channels, hidden, strict=True))
+        return evolve(self, recorded=np.where(hidden, np.nan, self.recorded), channels=tuple(channels))
+
     def motion(self) -> xr.Dataset | None:
         """Of the bodies that it watches, from its readings alone; None where these do not tell all of it, as those of one
         accelerometer on a body that may turn."""

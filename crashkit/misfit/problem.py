@@ -230,6 +230,10 @@ class Misfit:
         groups = [evolve(g, channels=tuple(_levelled(c, levels) for c in g.channels)) for g in self.groups]
         return self._with(self.model, groups)
 
+    def without_sensor(self, instrument: str, sensor: str) -> "Misfit":
+        """The same misfit as if a sensor had recorded nothing."""
+        return self._with(self.model, [one.without(sensor) if one.name == instrument else one for one in self.groups])
+
     def with_model(self, model: Model, laws: Mapping[str, type[SpringLaw]], engine: Engine | None = None) -> "Misfit":
         """The misfit of another model to the same recordings, with the same weights."""
         return self._with(model, list(self.groups), Simulator(model, laws, engine))

@@ -35,14 +35,18 @@ def named_before_unknown(inquiry: Inquiry, look: Round) -> tuple[list[Round], Ro
 
 
 def both(inquiry: Inquiry, look: Round) -> tuple[Round, Round] | None:
-    """The leading couple of a look as two findings, each in the light of the other; None where one cannot be placed alone."""
+    """The leading couple of a look as two findings, each in the light of the other; None where one cannot be placed alone, or
+    the second does not convince beside the first."""
     couple = look.couples[0]
     claims = [Rival(proposal, couple.search, 0.0, 0.0) for proposal in (couple.first, couple.second)]
     alone = [inquiry.fit_with([claim], couple.search) for claim in claims]
     if alone[0] is None or alone[1] is None:
         return None
-    first = _beside(look, alone[1], identity(couple.second), [])
-    return first, _beside(look, alone[0], identity(couple.first), [first.leader])
+    # A claim alone may be caught far away, where the other would seem to explain more than there was to explain.
+    without = [min(one, inquiry.base, key=lambda search: search.deviance) for one in (alone[0], alone[1])]
+    first = _beside(look, without[1], identity(couple.second), [])
+    second = _beside(look, without[0], identity(couple.first), [first.leader])
+    return (first, second) if second.winner else None
 
 
 def _beside(look: Round, without: Search, kept: tuple[str, str], found: Sequence[Rival]) -> Round:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 from attrs import frozen
 
+from crashkit.diagnose.fitting.blind import sensor_of, that_may_explain
 from crashkit.diagnose.fitting.contest import (
     GROWING,
     Entrant,
@@ -49,6 +50,9 @@ NOISE_PROMISE = 0.15
 """Share of the drop that a finding needs which is asked of a model at the noise, at its best fit."""
 COUPLED = 0.2
 """Of what the best single claim leaves above the noise: two that leave less are told before any other is asked."""
+HALF = 0.5
+"""Of what the best claim about the structure explains: an error of a sensor that cannot explain as much is not what was left
+out, or is found next to that."""
 SEEN = 4.5
 """Standard deviations from which an effect is found: its chi squared is then that of a finding."""
 
@@ -96,8 +100,19 @@ def nearest_rivals(
     scored = scores(workshop, base, plain, float(residual @ residual), progress)
     at_noise = normalised < FLOOR and not strained
     chosen = promising(scored, 1, lambda proposal: NOISE_PROMISE * least(proposal) if at_noise else LEAST_PROMISE)
-    fitted = heats(scouted(workshop, base, chosen, (1.0,), HEATS[0][0], _astray(workshop, base), progress), HEATS, progress)
-    return ranked_by_evidence(fitted, base.deviance(residual)), _limits(scored)
+    ahead = _ahead(workshop, base, chosen, progress)
+    return ranked_by_evidence(heats(ahead, HEATS, progress), base.deviance(residual)), _limits(scored)
+
+
+def _ahead(workshop: Workshop, base: Misfit, chosen: Sequence[Start], progress: Progress) -> list[Entrant]:
+    """Short fits of the claims about the structure, and of those about a sensor that may explain half as much as the best."""
+    astray, most = _astray(workshop, base), HEATS[0][0]
+    structure, readings = ([one for one in chosen if (sensor_of(one[0]) is not None) is read] for read in (False, True))
+    ahead = scouted(workshop, base, structure, (1.0,), most, astray, progress)
+    cost = float(begin(workshop.identifier, base).state.cost)
+    drop = cost - min((search.state.cost for _, search in ahead), default=cost)
+    further = that_may_explain(workshop.identifier, base, readings, HALF * drop)
+    return [*ahead, *scouted(workshop, base, further, (1.0,), most, astray, progress)]
 
 
 def further_rivals(

@@ -54,7 +54,8 @@ class ViscousDamping(Hypothesis):
 
 class JointFriction(Hypothesis):
     """F = F_law + f sign(ddot), smoothed at low rates or over the length of a bristle, at all times or while compressed; or
-    F_law (1 + m sign(ddot)), where the joint's own force presses what rubs; or both, where something else presses it too."""
+    F_law (1 + m sign(ddot)), where the joint's own force presses what rubs; or both, where something else presses it too; at
+    low rates another."""
 
     physics: ClassVar[str] = "joint_friction"
     sentence: ClassVar[str] = "a dry friction force opposes the deformation of {place}"
@@ -90,12 +91,16 @@ class JointFriction(Hypothesis):
         share = {"friction_share": Parameter(0.0, 0.0, 1.0), "slip_rate": Parameter(0.1, 0.01, 1.0)}
         pressed = Effect(self.physics, "in proportion", "rubbing", share, "friction_share")
         preload = Effect(self.physics, "preloaded", "coulomb", force | established | always, "friction_force")
+        rising = {name: less[name] for name in ("slip_rate", "stick", "stick_rate")}
+        slipping = evolve(pressed, form="in proportion, falling", parameters={**share, **rising})
         fine = [
             *pushing_beside(model, joint, pushing),
-            multiplied(model, joint, pressed),
+            multiplied(model, joint, slipping),
             _both(model, joint, pressed, preload),
+            _both(model, joint, slipping, evolve(preload, parameters=less | always)),
         ]
-        return [*beside, *(evolve(form, refined=True, odds=odds) for form in fine)]
+        plain = [*beside, evolve(multiplied(model, joint, pressed), odds=odds)]
+        return [*plain, *(evolve(form, refined=True, odds=odds) for form in fine)]
 
 
 def smooth(fastest: float) -> dict[str, Parameter]:

@@ -9,10 +9,13 @@ from attrs import evolve
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import Effect, grid, multiplied
+from crashkit_hypotheses.sizes import largest_rate
 
 LINEAR = {"rate_slope": Parameter(0.0, 0.0, 1.0)}
 POWER = {"rate_amplitude": Parameter(0.0, 0.0, 10.0), "rate_exponent": Parameter(0.3, 0.05, 2.0)}
 LOGARITHM = {"rate_amplitude": Parameter(0.0, 0.0, 10.0), "reference_rate": Parameter(0.5, 1e-3, 20.0)}
+SLOWEST = 0.1
+"""Reference rate, of the fastest there was, of an effect that has a limit: one that is reached at once is friction."""
 
 
 class RateDependence(Hypothesis):
@@ -27,9 +30,11 @@ class RateDependence(Hypothesis):
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Several forms at every joint that has no rate factor yet."""
-        return [form for joint in model.joints if not _has_rate(joint) for form in self._forms(model, joint)]
+        return [form for joint in model.joints if not _has_rate(joint) for form in self._forms(model, joint, motion)]
 
-    def _forms(self, model: Model, joint: Joint) -> list[Proposal]:
+    def _forms(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
+        slowest = min(max(SLOWEST * largest_rate(motion, joint.name), 1e-3), 1.0)
+        limited = LOGARITHM | {"reference_rate": Parameter(max(0.5, slowest), slowest, 20.0)}
         powers = grid(rate_exponent=(0.2, 0.6))
         plain = (
             Effect(self.physics, "linear", "rate_linear", LINEAR, "rate_slope"),
@@ -37,7 +42,7 @@ class RateDependence(Hypothesis):
             Effect(self.physics, "logarithm", "rate_logarithm", LOGARITHM, "rate_amplitude"),
         )
         fine = (
-            Effect(self.physics, "to a limit", "rate_saturating", LOGARITHM, "rate_amplitude"),
+            Effect(self.physics, "to a limit", "rate_saturating", limited, "rate_amplitude"),
             Effect(self.physics, "both ways", "rate_eyring", LOGARITHM, "rate_amplitude"),
         )
         return [

@@ -6,6 +6,9 @@ from crashkit.protocols import ParameterSpec, SpringLaw
 from crashkit_spring_laws.shared import CLEARANCE, ENGAGEMENT
 
 FRICTION_FORCE = ParameterSpec("friction_force", "N", "force while sliding", lower=0.0, null=0.0)
+SLIP_RATE = ParameterSpec("slip_rate", "m s-1", "rate at which sliding is established", lower=1e-3, default=0.05, free=False)
+STICK = ParameterSpec("stick", "1", "relative rise of the force at low rates", lower=-0.9, upper=9.0, default=0.0, null=0.0)
+STICK_RATE = ParameterSpec("stick_rate", "m s-1", "rate above which that is lost", lower=1e-2, default=1.0, free=False)
 ALWAYS = ParameterSpec(
     "always",
     "1",
@@ -29,11 +32,11 @@ class Coulomb(SpringLaw):
     name = "coulomb"
     parameters = (
         FRICTION_FORCE,
-        ParameterSpec("slip_rate", "m s-1", "rate at which sliding is established", lower=1e-3, default=0.05, free=False),
+        SLIP_RATE,
         ALWAYS,
         ENGAGEMENT,
-        ParameterSpec("stick", "1", "relative rise of the force at low rates", lower=-0.9, upper=9.0, default=0.0, null=0.0),
-        ParameterSpec("stick_rate", "m s-1", "rate above which that is lost", lower=1e-2, default=1.0, free=False),
+        STICK,
+        STICK_RATE,
         CLEARANCE,
         ParameterSpec("tail", "1", "0: reached like a tanh, 1: like an atan", lower=-0.5, upper=2.5, default=0.0, null=0.0),
     )
@@ -60,7 +63,9 @@ class Coulomb(SpringLaw):
 
 
 class Rubbing(SpringLaw):
-    """Dry friction that the joint's own force presses: 1 + share tanh(ddot / slip_rate).
+    """Dry friction that the joint's own force presses.
+
+    1 + share tanh(ddot / slip_rate) (1 + stick exp(-(ddot / stick_rate)^2))
 
     So a sleeve, a clamp or a wrapped belt gives back less than it took: of its force F the share rubs, whatever F is.
     """
@@ -69,13 +74,18 @@ class Rubbing(SpringLaw):
     unit = "1"
     parameters = (
         ParameterSpec("friction_share", "1", "friction over the joint's force (share)", lower=0.0, upper=1.0, null=0.0),
-        ParameterSpec("slip_rate", "m s-1", "rate at which sliding is established", lower=1e-3, default=0.05, free=False),
+        SLIP_RATE,
+        STICK,
+        STICK_RATE,
     )
 
     @staticmethod
-    def force(d: float, ddot: float, d_max: float, friction_share: float, slip_rate: float) -> float:
+    def force(
+        d: float, ddot: float, d_max: float, friction_share: float, slip_rate: float, stick: float, stick_rate: float
+    ) -> float:
         """The factor."""
-        return 1.0 + friction_share * math.tanh(ddot / slip_rate)
+        level = 1.0 + stick * math.exp(-((ddot / stick_rate) ** 2))
+        return 1.0 + friction_share * math.tanh(ddot / slip_rate) * level
 
 
 class Dahl(SpringLaw):

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from attrs import evolve
 
+from crashkit.diagnose import name
 from crashkit.diagnose.fitting.contest import identity, propose_all
 from crashkit.diagnose.fitting.couples import Couple, Led, _left_beside, _promises, coupled
+from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.regress import opened
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name.look import Round
@@ -71,6 +73,33 @@ def test_each_of_two_findings_is_weighed_beside_the_other(workshop, inquiry, giv
         assert one.winner.drop == pytest.approx(without.deviance - couples[0].search.deviance, rel=1e-6)
         # A rival is another claim that was coupled with the one that stays.
         assert all(rival.drop <= one.winner.drop for rival in one.rivals)
+
+
+def test_what_a_claim_explains_is_no_more_than_there_was_to_explain(workshop, inquiry, given, couples, monkeypatch):
+    """A fit of the other claim alone may be caught far away."""
+
+    def astray(workshop, base, rivals, last):
+        stuck = base.fitted().with_values({name: 0.2 * value for name, value in base.misfit.values(base.point).items()})
+        return begin(workshop.identifier, stuck)
+
+    monkeypatch.setattr(name.inquiry, "rebuild", astray)
+    base = begin(workshop.identifier, given).advance(40)
+    first, second = both(inquiry(base), Round((), (), 1.0, base.fitted(), couples=tuple(couples)))
+    for one in (first, second):
+        assert one.leader.drop == pytest.approx(base.deviance - couples[0].search.deviance)
+
+
+def test_a_second_claim_that_does_not_convince_makes_no_two_findings(workshop, inquiry, couples):
+    """Where a model explains all without it."""
+    base = begin(workshop.identifier, couples[0].search.fitted())
+    search, biases = base, []
+    for instrument in ("film", "accelerometer"):
+        claims = propose_all(workshop, search.fitted())
+        biases.append(next(p for p in claims if p.physics == "bias" and p.location["instrument"] == instrument))
+        search = begin(workshop.identifier, workshop.misfit(search.fitted(), biases[-1].model)).advance(10)
+    look = Round((), (), 1.0, base.fitted(), couples=(Couple(*biases, search),))
+    assert all(inquiry(base).fit_with([Rival(bias, search, 0.0, 0.0)], search) for bias in biases)
+    assert both(inquiry(base), look) is None
 
 
 def claim(physics, residual, shared, own):
