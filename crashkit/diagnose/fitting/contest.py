@@ -120,14 +120,20 @@ def _scout(
     return values, search.state.cost
 
 
-def first_of_each(ranked: Sequence[tuple[Proposal, Found]], most: int) -> list[tuple[Proposal, Found]]:
-    """The best few of each claim in each form."""
+def form_of(proposal: Proposal) -> tuple[str, ...]:
+    """What a proposal claims, and in which form."""
+    return *identity(proposal), proposal.form
+
+
+def first_of_each(
+    ranked: Sequence[tuple[Proposal, Found]], most: int, kind: Callable[[Proposal], tuple[str, ...]] = form_of
+) -> list[tuple[Proposal, Found]]:
+    """The best few of each claim in each form, or of another kind."""
     seen: Counter[tuple[str, ...]] = Counter()
     chosen = []
     for one in ranked:
-        key = (*identity(one[0]), one[0].form)
-        seen[key] += 1
-        if seen[key] <= most:
+        seen[kind(one[0])] += 1
+        if seen[kind(one[0])] <= most:
             chosen.append(one)
     return chosen
 
@@ -149,16 +155,15 @@ def heats(entrants: Sequence[Entrant], sizes: Sequence[tuple[int, int]], progres
 def _ahead(entrants: Sequence[Entrant], size: int) -> list[Entrant]:
     """The best of them; half the places are kept from estimated tables, whose many heights fit better than they explain.
 
-    Whatever its forms, one claim does not take all places: the best other one goes on, to be told as a rival.
+    Whatever its forms, one claim does not take more than half of the others: the next ones may only be in a poorer form.
     """
     ranked = sorted(entrants, key=_priced)
     tables = [entrant for entrant in ranked if entrant[0].physics == UNKNOWN][: size // 2]
     named = [entrant for entrant in ranked if entrant[0].physics != UNKNOWN]
-    chosen = named[: size - len(tables)]
-    if len({identity(proposal) for proposal, _ in chosen}) == 1:
-        leader = identity(chosen[0][0])
-        chosen += [entrant for entrant in named if identity(entrant[0]) != leader][:1]
-    return [*chosen, *tables]
+    places = size - len(tables)
+    first = first_of_each(named, max(1, places // 2), identity)
+    rest = [entrant for entrant in named if not any(entrant is one for one in first)]
+    return [*[*first, *rest][:places], *tables]
 
 
 def _priced(entrant: Entrant) -> float:

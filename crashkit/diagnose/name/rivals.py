@@ -31,7 +31,7 @@ from crashkit.protocols import Proposal
 
 STARTS = 2
 """How many starts of each form of each claim are fitted from the given values; one is from the re-identified ones."""
-HEATS = ((40, 5), (10, 8), (4, 40))
+HEATS = ((40, 5), (12, 8), (6, 40))
 """How many of them enter each heat of fits, and how many steps each gets there. Those from the given values have heats of
 their own: they begin far above the others, and need more steps to show what they are worth."""
 CONCEALED = 1.3

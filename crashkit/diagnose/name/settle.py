@@ -16,6 +16,8 @@ from crashkit.protocols import Proposal
 
 CHALLENGERS = 2
 """How many of its rivals with fewer numbers challenge a winner."""
+CLOSE = 1.1
+"""Normalised residual of a rival in a plain form that another form may bring to the noise."""
 
 
 def settled(inquiry: Inquiry, look: Round, winner: Rival, found: Sequence[Rival]) -> Round:
@@ -76,7 +78,7 @@ def _contested(inquiry: Inquiry, look: Round, found: Sequence[Rival]) -> Round:
     """
     winner, place = look.leader, place_of(look.leader.proposal.location)
     here = [rival for rival in look.rivals if not is_unknown(rival) and place_of(rival.proposal.location) == place]
-    close = [rival for rival in here[: 1 + CHALLENGERS] if rival.search.normalised < FLOOR]
+    close = [rival for rival in here[: 1 + CHALLENGERS] if rival.search.normalised < CLOSE]
     if winner.search.normalised > FLOOR or len(close) < 2:
         return look
     fitted = [one for rival in close for one in in_all_forms(inquiry, rival, found, rival.search)]

@@ -14,7 +14,7 @@ from crashkit_hypotheses.sizes import largest_deformation, largest_force
 
 
 class Clearance(Hypothesis):
-    """F(d) becomes F(d - gap), and 0 while d < gap; or it engages softly after the gap, or a soft pad fills that."""
+    """F(d) becomes F(d - gap), and 0 while d < gap; or it engages softly after that, or a pad fills it, or it rubs in it."""
 
     physics: ClassVar[str] = "clearance"
     sentence: ClassVar[str] = "{place} engages only after a gap"
@@ -30,10 +30,12 @@ class Clearance(Hypothesis):
 
     def _forms(self, model: Model, joint: Joint, reached: float, motion: Sequence[xr.Dataset]) -> list[Proposal]:
         gap, toe = self._gap(model, joint, reached), self._toe(model, joint, reached)
-        padded = f"{joint.law} | pad"
-        if padded not in load().spring_laws:
+        padded, rubbed = f"{joint.law} | pad", f"{joint.law} | rubbing_gap"
+        if padded not in load().spring_laws or rubbed not in load().spring_laws:
             return [gap, toe]
-        return [gap, toe, self._padded(model, joint, padded, reached, largest_force(motion, joint.name))]
+        force = largest_force(motion, joint.name)
+        rubbing = evolve(self._rubbing(model, joint, rubbed, reached, force), refined=True)
+        return [gap, toe, self._padded(model, joint, padded, reached, force), rubbing]
 
     def _gap(self, model: Model, joint: Joint, reached: float) -> Proposal:
         gap = {"clearance": Parameter(0.0, 0.0, reached)}
@@ -54,6 +56,15 @@ class Clearance(Hypothesis):
         }
         starts = grid(clearance=[share * reached for share in (0.05, 0.2)], pad_force=[0.1 * force])
         return changed(model, joint, Effect(self.physics, "padded", law, pad, "clearance", starts, null=None))
+
+    def _rubbing(self, model: Model, joint: Joint, law: str, reached: float, force: float) -> Proposal:
+        rub = {
+            "clearance": Parameter(0.0, 0.0, reached),
+            "friction_force": Parameter(0.0, 0.0, max(force, 1.0)),
+            "slip_rate": Parameter(0.05, fixed=True),
+        }
+        starts = grid(clearance=[share * reached for share in (0.05, 0.2)], friction_force=[0.03 * force])
+        return changed(model, joint, Effect(self.physics, "rubbing", law, rub, "clearance", starts, null=None))
 
 
 def _is_closed(joint: Joint) -> bool:

@@ -14,6 +14,7 @@ from crashkit_hypotheses.sizes import largest_rate
 LINEAR = {"rate_slope": Parameter(0.0, 0.0, 1.0)}
 POWER = {"rate_amplitude": Parameter(0.0, 0.0, 10.0), "rate_exponent": Parameter(0.3, 0.05, 2.0)}
 LOGARITHM = {"rate_amplitude": Parameter(0.0, 0.0, 10.0), "reference_rate": Parameter(0.5, 1e-3, 20.0)}
+SHARPNESS = {"limit_sharpness": Parameter(2.0, 1.0, 10.0)}
 SLOWEST = 0.1
 """Reference rate, of the fastest there was, of an effect that has a limit: one that is reached at once is friction."""
 
@@ -21,8 +22,8 @@ SLOWEST = 0.1
 class RateDependence(Hypothesis):
     """F = F_static (1 + a ddot), F_static (1 + a ddot^n) (Cowper-Symonds) or F_static (1 + a ln(1 + ddot / r)) (Johnson-Cook).
 
-    Mizzi & Jezequel 1992, eq 1, for the linear form. Where it has a limit, F_static (1 + a ddot / (ddot + r)); where it also
-    falls on the way back, F_static (1 + a asinh(ddot / r)).
+    Mizzi & Jezequel 1992, eq 1, for the linear form. Where it has a limit, F_static (1 + a ddot / (ddot^n + r^n)^(1 / n)), n
+    1 or more; where it also falls on the way back, F_static (1 + a asinh(ddot / r)).
     """
 
     physics: ClassVar[str] = "rate_dependence"
@@ -43,6 +44,7 @@ class RateDependence(Hypothesis):
         )
         fine = (
             Effect(self.physics, "to a limit", "rate_saturating", limited, "rate_amplitude"),
+            Effect(self.physics, "to a limit, sharply", "rate_saturating", limited | SHARPNESS, "rate_amplitude"),
             Effect(self.physics, "both ways", "rate_eyring", LOGARITHM, "rate_amplitude"),
         )
         return [

@@ -4,7 +4,7 @@ from crashkit_spring_laws.buckling import BellPeak, DippingPeak, Folding, Peak, 
 from crashkit_spring_laws.crush_plateau import CrushPlateau
 from crashkit_spring_laws.dampers import Viscous, ViscousPower
 from crashkit_spring_laws.fracture import Brittle, Fracture, Tear
-from crashkit_spring_laws.friction import Coulomb, Dahl, Rubbing
+from crashkit_spring_laws.friction import Coulomb, Dahl, Rubbing, RubbingGap
 from crashkit_spring_laws.gradual_loss import (
     Fading,
     PlasticShare,
@@ -51,6 +51,7 @@ SPRING_LAWS = (
     Coulomb,
     Dahl,
     Rubbing,
+    RubbingGap,
     Maxwell,
     QuasiLinear,
     LinearStop,
@@ -120,6 +121,7 @@ __all__ = [
     "RateSaturating",
     "RateTable",
     "Rubbing",
+    "RubbingGap",
     "SecondLine",
     "SmoothTable",
     "Softening",

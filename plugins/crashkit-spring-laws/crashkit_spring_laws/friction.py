@@ -88,6 +88,32 @@ class Rubbing(SpringLaw):
         return 1.0 + friction_share * math.tanh(ddot / slip_rate) * level
 
 
+class RubbingGap(SpringLaw):
+    """Dry friction in a gap: F = f tanh(ddot / slip_rate) (1 - min(1, max(0, d - clearance) / engagement)).
+
+    Beside a law with the same clearance, `a | rubbing_gap`, what the member feels before it engages; nothing where there is no
+    gap.
+    """
+
+    name = "rubbing_gap"
+    parameters = (
+        FRICTION_FORCE,
+        SLIP_RATE,
+        CLEARANCE,
+        ENGAGEMENT,
+    )
+
+    @staticmethod
+    def force(
+        d: float, ddot: float, d_max: float, friction_force: float, slip_rate: float, clearance: float, engagement: float
+    ) -> float:
+        """The force, N, compression positive."""
+        if clearance <= 0.0:
+            return 0.0
+        loose = 1.0 - min(1.0, max(0.0, d - clearance) / engagement)
+        return friction_force * math.tanh(ddot / slip_rate) * loose
+
+
 class Dahl(SpringLaw):
     """Dry friction of bristles that bend before they slip (Dahl 1976, doi:10.2514/3.61511).
 

@@ -66,20 +66,23 @@ class RateLogarithm(SpringLaw):
 
 
 class RateSaturating(SpringLaw):
-    """A rise with the rate while loading that has a limit: 1 + A ddot / (ddot + r)."""
+    """A rise with the rate while loading that has a limit: 1 + A ddot / (ddot^n + r^n)^(1 / n)."""
 
     name = "rate_saturating"
     unit = "1"
     parameters = (
         ParameterSpec("rate_amplitude", "1", "relative rise of the force in the end (A)", lower=0.0, null=0.0),
-        ParameterSpec("reference_rate", "m s-1", "rate at which it has risen by half of that (r)", lower=1e-3, upper=100.0),
+        ParameterSpec("reference_rate", "m s-1", "rate at which it would be there along a line (r)", lower=1e-3, upper=100.0),
+        ParameterSpec("limit_sharpness", "1", "1: it bends at once; more: late and sharply (n)", 1.0, 20.0, 1.0, free=False),
     )
 
     @staticmethod
-    def force(d: float, ddot: float, d_max: float, rate_amplitude: float, reference_rate: float) -> float:
+    def force(
+        d: float, ddot: float, d_max: float, rate_amplitude: float, reference_rate: float, limit_sharpness: float
+    ) -> float:
         """The factor."""
-        rate = max(0.0, ddot)
-        return 1.0 + rate_amplitude * rate / (rate + reference_rate)
+        rate = max(1e-12, ddot) / reference_rate  # 0^n has no derivative to n
+        return 1.0 + rate_amplitude * rate / (1.0 + rate**limit_sharpness) ** (1.0 / limit_sharpness)
 
 
 class RateEyring(SpringLaw):
