@@ -413,6 +413,11 @@ def shifting(model):
     return with_error(model, "rear_sensor", zero_shift=9.0, zero_shift_time=0.06, zero_shift_rise=5e-4)
 
 
+def understating(model):
+    """The more it feels, the less of it it reads, and too little of everything."""
+    return with_error(model, "rear_sensor", gain=0.85, saturation_soft=150.0)
+
+
 def exaggerating(model):
     """The more it feels, the more of it it reads."""
     return with_error(model, "rear_sensor", gain=0.9, cubic=8e-6)
@@ -543,6 +548,7 @@ CASES = {
         ("saturation", "knee", {"sensor": "rear_sensor"}),
         {"saturation_knee": 45.0, "knee_sharpness": 5.0},
     ),
+    understating: (("gain_error", "falling", {"sensor": "rear_sensor"}), {"gain": 0.85, "saturation_soft": 150.0}),
     exaggerating: (("gain_error", "rising", {"sensor": "rear_sensor"}), {"gain": 0.9, "cubic": 8e-6}),
     gaining: (("clock_offset", "drift", {"instrument": "film"}), {"clock_offset": 1e-3, "clock_rate": 0.02}),
     drifting: (("bias", "drift", {"sensor": "rear_sensor"}), {"bias": 2.0, "bias_drift": 30.0}),
