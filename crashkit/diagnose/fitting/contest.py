@@ -157,7 +157,7 @@ def _ahead(entrants: Sequence[Entrant], size: int) -> list[Entrant]:
 
     Whatever its forms, one claim does not take more than half of the others: the next ones may only be in a poorer form.
     """
-    ranked = sorted(entrants, key=_priced)
+    ranked = sorted(entrants, key=priced)
     tables = [entrant for entrant in ranked if entrant[0].physics == UNKNOWN][: size // 2]
     named = [entrant for entrant in ranked if entrant[0].physics != UNKNOWN]
     places = size - len(tables)
@@ -166,7 +166,7 @@ def _ahead(entrants: Sequence[Entrant], size: int) -> list[Entrant]:
     return [*[*first, *rest][:places], *tables]
 
 
-def _priced(entrant: Entrant) -> float:
+def priced(entrant: Entrant) -> float:
     """Cost with the price of the numbers that were added, as the evidence counts them: forms of one claim with more and more
     numbers would take the places of a simpler one that explains as much."""
     proposal, search = entrant

@@ -7,7 +7,7 @@ import numpy as np
 from attrs import evolve
 
 from crashkit.campaign import spread
-from crashkit.diagnose.fitting.contest import Entrant, Start, first_of_each, identity, propose_all
+from crashkit.diagnose.fitting.contest import Entrant, Start, first_of_each, identity, priced, propose_all
 from crashkit.diagnose.fitting.evidence import Rival, explains, is_unknown, ranked_by_evidence
 from crashkit.diagnose.fitting.search import Search, advance_all, begin, begin_all, weighed
 from crashkit.diagnose.name.alike import most_alike
@@ -21,8 +21,8 @@ SHARES = (1 / 6, 1 / 3, 2 / 3, 1.0)
 """Of the time recorded, looked at one after the other while only a form's own numbers move."""
 ALONE = 10
 """Steps in each."""
-HEATS = ((4, 8), (2, 40))
-"""How many starts of each form go on, and how many steps each gets."""
+HEATS = ((None, 4, 8), (8, 2, 40))
+"""How many forms enter each, from how many starts, and how many steps each gets."""
 
 
 def in_best_forms(
@@ -80,8 +80,10 @@ def in_all_forms(inquiry: Inquiry, rival: Rival, others: Sequence[Rival], search
 
 def _fitted(entrants: Sequence[Entrant]) -> list[Entrant]:
     """Each form from the best of its starts: in a common heat, those of one form that meet in one optimum take all places."""
-    for most, steps in HEATS:
-        ahead = first_of_each(sorted(entrants, key=lambda entrant: entrant[1].state.cost), most)
+    for forms, starts, steps in HEATS:
+        ranked = sorted(entrants, key=priced)
+        leading = list(dict.fromkeys(form.form for form, _ in ranked))[:forms]
+        ahead = first_of_each([entrant for entrant in ranked if entrant[0].form in leading], starts)
         entrants = list(zip((form for form, _ in ahead), advance_all([search for _, search in ahead], steps), strict=True))
     return list(zip((form for form, _ in entrants), weighed([search for _, search in entrants]), strict=True))
 
