@@ -2,10 +2,11 @@
 
 from collections.abc import Sequence
 
-from attrs import field, frozen
+from attrs import evolve, field, frozen
 
 from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED, Rival, explains, is_unknown, ranked_by_evidence
 from crashkit.diagnose.fitting.in_time import in_time
+from crashkit.diagnose.fitting.rebuild import alone_again
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.fitting.sharpen import check_pace
 from crashkit.diagnose.locate.courses import Pointer
@@ -20,7 +21,8 @@ from crashkit.model import Model
 
 MOST_FINDINGS = 3
 HALF = 0.5
-"""Of what is left above the noise: a claim that leaves more has hardly found its form."""
+"""Of what is left above the noise: a claim that leaves more has hardly found its form. And of what one more finding explains:
+where those before it do that as well, it is none."""
 NEEDED = 100.0
 """Chi squared that the loss of a finding must cost for it to be plainly needed."""
 TIE = 10.0
@@ -52,7 +54,8 @@ def followed(inquiry: Inquiry, begun: Sequence[Round], look: Round) -> tuple[Dis
     """What is found from a beginning on, and the last look."""
     rounds, search = list(begun), begun[-1].leader.search if begun else inquiry.base
     while look.winner is not None and not _corrects(look.winner, rounds):
-        rounds, search = _one_more(inquiry, rounds, look, look.winner)
+        freed = _freed(rounds, search, look.winner)
+        rounds, search = freed or _one_more(inquiry, rounds, look, look.winner)
         if len(rounds) == MOST_FINDINGS or is_estimated(rounds):
             break
         further = in_time(None, look_again, inquiry, search.fitted(), [one.leader for one in rounds])
@@ -67,6 +70,22 @@ def followed(inquiry: Inquiry, begun: Sequence[Round], look: Round) -> tuple[Dis
         rounds, search = in_time((rounds, search), _questioned, inquiry, rounds, search, look)
     last = look if look.winner is None else None
     return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(rounds), last), look
+
+
+def _freed(rounds: Sequence[Round], search: Search, winner: Rival) -> tuple[list[Round], Search] | None:
+    """The findings fitted from where one more has moved their numbers, if they then explain most of what that does.
+
+    What is caught in a local optimum leaves something that any second cause would seem to explain.
+    """
+    if not rounds:
+        return None
+    better = alone_again(search, [winner.search.fitted()])
+    gained = search.deviance - better.deviance
+    if gained < HALF * winner.drop:
+        return None
+    last = rounds[-1].leader
+    leader = evolve(last, search=better, drop=last.drop + gained, evidence=last.evidence + 0.5 * gained)
+    return [*rounds[:-1], evolve(rounds[-1], rivals=(leader, *rounds[-1].rivals[1:]))], better
 
 
 def _one_more(inquiry: Inquiry, rounds: Sequence[Round], look: Round, winner: Rival) -> tuple[list[Round], Search]:

@@ -13,7 +13,7 @@ from crashkit.diagnose.name import rounds as questioned
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import LEAST_DROP, Round, is_given, least_drop
 from crashkit.diagnose.name.needed import _asked, needed, price
-from crashkit.diagnose.name.rounds import Discovery, _corrects, _was_asked, reconsidered
+from crashkit.diagnose.name.rounds import Discovery, _corrects, _freed, _was_asked, reconsidered
 from crashkit.diagnose.show.left_out import left_out_drop
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_body, with_joint
@@ -114,6 +114,26 @@ def test_a_finding_that_is_questioned_stays_unless_it_explains_too_little(monkey
     together = SimpleNamespace(deviance=1000.0, normalised=1.4)
     kept, _ = reconsidered(inquiry(None), [one("fracture"), one("bias")], together)
     assert [look.leader.proposal.physics for look in kept] == left
+
+
+def test_what_the_findings_explain_from_where_one_more_has_moved_them_is_not_one_more(workshop, offered):
+    """They were caught in a local optimum: here, they were not yet searched."""
+    look, base, final = offered(0.0)
+    values = base.misfit.values(base.point)
+    caught = begin(workshop.identifier, base.fitted().with_values({name: 1.1 * value for name, value in values.items()}))
+    winner = evolve(look.leader, search=final, drop=caught.deviance - final.deviance)
+    (freed,), search = _freed([look], caught, winner)
+    assert search.deviance == pytest.approx(base.deviance, abs=1.0)
+    assert freed.leader.search is search
+    assert freed.leader.drop == pytest.approx(look.leader.drop + caught.deviance - search.deviance)
+    assert freed.leader.evidence == pytest.approx(look.leader.evidence + 0.5 * (caught.deviance - search.deviance))
+
+
+def test_what_is_left_out_is_one_more(offered):
+    look, base, final = offered(800.0)
+    assert base.deviance > final.deviance + LEAST_DROP
+    assert _freed([look], base, evolve(look.leader, search=final, drop=base.deviance - final.deviance)) is None
+    assert _freed([], base, look.leader) is None
 
 
 def test_the_same_is_not_asked_twice(workshop, model, misfit, recorded):
