@@ -36,8 +36,11 @@ def that_may_explain(identifier: Identifier[Any], base: Misfit, starts: Sequence
 
 
 def _most(identifier: Identifier[Any], base: Misfit, sensor: Sensor) -> float:
-    """By how much the cost drops where the sensor leaves nothing but its noise, whatever its error, and is no constraint."""
-    blind = base.without_sensor(*sensor)
-    noise = 0.5 * (base.independent_samples - blind.independent_samples)
-    before, after = (begin(identifier, one) for one in (base, blind))
+    """By how much the cost drops where the sensor leaves nothing but its noise, whatever its error, and is no constraint.
+
+    A noise that nobody states may be as small as one likes: it was estimated by what the model leaves there.
+    """
+    stated = [one for one in base.channels if (one.instrument, one.sensor) == sensor and one.noise.trusted]
+    noise = 0.5 * sum(channel.independent_samples for channel in stated)
+    before, after = (begin(identifier, one) for one in (base, base.without_sensor(*sensor)))
     return float(before.state.cost - after.advance(STEPS).state.cost - noise)

@@ -31,6 +31,22 @@ def test_only_claims_about_a_sensor_that_leaves_enough_may_explain_it(workshop, 
     assert that_may_explain(workshop.identifier, fitted, readings, 1.5 * drop) == []
 
 
+def test_a_noise_that_nobody_states_may_be_as_small_as_one_likes(workshop, misfit, model, recorded):
+    """The level of a filtered channel is estimated by what a wrong model leaves: that is no floor."""
+
+    def of_unknown_noise(dataset):
+        dataset = dataset.assign(acceleration=1.1 * dataset["acceleration"]).drop_vars("acceleration_std")
+        return dataset.assign_attrs(channel_frequency_class=600)
+
+    search = begin(workshop.identifier, misfit(model, run=recorded(model, accelerometer=of_unknown_noise))).advance(40)
+    base = search.fitted().reweighted(search.point)
+    gain = next(p for p in propose_all(workshop, base) if p.physics == "gain_error" and p.location["instrument"] != "film")
+    right = begin(workshop.identifier, workshop.misfit(base, gain.model)).advance(40)
+    drop = begin(workshop.identifier, base).state.cost - right.state.cost
+    assert drop > 20.0
+    assert that_may_explain(workshop.identifier, base, [(gain, {})], 0.9 * drop)
+
+
 def test_without_a_sensor_nothing_of_it_counts(base):
     misfit = base.fitted()
     blind = misfit.without_sensor("accelerometer", "front_sensor")
