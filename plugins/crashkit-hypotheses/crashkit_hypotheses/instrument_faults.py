@@ -1,6 +1,6 @@
 """An instrument is wrong by a number: its sensitivity, its offset, its clock."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import ClassVar, TypeAlias
 
 import xarray as xr
@@ -8,15 +8,15 @@ from attrs import evolve
 
 from crashkit.model import Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.accused import accused, each_channel, fault
+from crashkit_hypotheses.accused import Accused, accused, each_channel, fault
 from crashkit_hypotheses.build import grid
 
 Fault: TypeAlias = tuple[dict[str, Parameter], str, Sequence[Mapping[str, float]]]
 """The errors of a sensor, the one without which it is right, and where to start."""
 
 GAIN = Parameter(1.0, 0.2, 5.0)
-FAINTEST = 20.0
-"""Largest readings at which one that bends is bent no more."""
+STEEPEST_FALL = -1.0 / 3.0
+"""Of a cubic term, over the square of the largest reading: with less, larger readings would be smaller ones."""
 SHIFT = ("zero_shift", "zero_shift_time", "zero_shift_rise")
 MOMENTS = (0.1, 0.3, 0.6)
 """Shares of the time recorded at which the zero may shift, to start from."""
@@ -25,7 +25,7 @@ SLOW, SLOWEST = 0.03, 0.1
 
 
 class GainError(Hypothesis):
-    """recorded = g true, g other than 1, or g true + c (g true)^3, c above 0, or s tanh(g true / s): with g = 1 it saturates.
+    """recorded = g true, g other than 1, or g true + c (g true)^3, c above 0 or below: with g = 1 that saturates.
 
     Along one axis a sensor that is tilted by an angle reads cos(angle) of the truth, and gravity, if that is not balanced out:
     else no recording of that axis alone tells the two apart.
@@ -45,19 +45,15 @@ class GainError(Hypothesis):
             for one in accused(model, recordings, ["gain"])
             for proposal in each_channel(self.physics, "constant", model, one, {"gain": GAIN}, "gain")
         ]
-        rising = self._bent("rising", "cubic", lambda largest: Parameter(0.0, 0.0, 1.0 / largest**2), model, recordings)
-        falling = self._bent("falling", "saturation_soft", _soft, model, recordings)
+        bent = [one for one in accused(model, recordings, ["gain", "cubic"]) if one.largest > 0.0]
+        rising = [self._bent(model, one, "rising", 0.0, 1.0) for one in bent]
+        falling = [evolve(self._bent(model, one, "falling", STEEPEST_FALL, 0.0), refined=True) for one in bent]
         return [*constant, *rising, *falling]
 
-    def _bent(
-        self, form: str, error: str, size: Callable[[float], Parameter], model: Model, recordings: Sequence[xr.DataTree]
-    ) -> list[Proposal]:
-        sensors = [one for one in accused(model, recordings, ["gain", error]) if one.largest > 0.0]
-        return [fault(self.physics, form, model, one, {"gain": GAIN, error: size(one.largest)}, "gain") for one in sensors]
-
-
-def _soft(largest: float) -> Parameter:
-    return Parameter(2.0 * largest, largest, FAINTEST * largest)
+    def _bent(self, model: Model, one: Accused, form: str, lowest: float, highest: float) -> Proposal:
+        scale = 1.0 / one.largest**2
+        errors = {"gain": GAIN, "cubic": Parameter(0.0, lowest * scale, highest * scale)}
+        return fault(self.physics, form, model, one, errors, "gain")
 
 
 class Bias(Hypothesis):

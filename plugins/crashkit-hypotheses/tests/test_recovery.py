@@ -415,7 +415,7 @@ def shifting(model):
 
 def understating(model):
     """The more it feels, the less of it it reads, and too little of everything."""
-    return with_error(model, "rear_sensor", gain=0.85, saturation_soft=150.0)
+    return with_error(model, "rear_sensor", gain=0.85, cubic=-1e-5)
 
 
 def exaggerating(model):
@@ -548,7 +548,7 @@ CASES = {
         ("saturation", "knee", {"sensor": "rear_sensor"}),
         {"saturation_knee": 45.0, "knee_sharpness": 5.0},
     ),
-    understating: (("gain_error", "falling", {"sensor": "rear_sensor"}), {"gain": 0.85, "saturation_soft": 150.0}),
+    understating: (("gain_error", "falling", {"sensor": "rear_sensor"}), {"gain": 0.85, "cubic": -1e-5}),
     exaggerating: (("gain_error", "rising", {"sensor": "rear_sensor"}), {"gain": 0.9, "cubic": 8e-6}),
     gaining: (("clock_offset", "drift", {"instrument": "film"}), {"clock_offset": 1e-3, "clock_rate": 0.02}),
     drifting: (("bias", "drift", {"sensor": "rear_sensor"}), {"bias": 2.0, "bias_drift": 30.0}),

@@ -161,7 +161,7 @@ def test_what_a_known_claim_explains_at_once_is_not_shown_little_by_little(
     model, misfit, recorded, workshop, shown, known, count
 ):
     right = misfit(model, run=recorded(model))
-    searches = simulated(workshop.identifier, [right, right], known)
+    searches = simulated(workshop.identifier, [right, right], known, lambda share: None)
     assert len(shown) == count
     assert max(search.normalised for search in searches) < 1.05  # whatever that led to
 
@@ -169,7 +169,7 @@ def test_what_a_known_claim_explains_at_once_is_not_shown_little_by_little(
 def test_the_most_promising_are_shown_the_recordings_first_and_known_ones_before_estimates(rough, workshop, shown):
     steps = [rough.with_values({"joint.first.crush_force": force}) for force in (5e3, 3e4, 6e4, 9e4, 1e5, 2e5)]
     known = [index != 2 for index in range(len(steps))]
-    ends = simulated(workshop.identifier, steps, known)
+    ends = simulated(workshop.identifier, steps, known, lambda share: None)
     costs = [begin(workshop.identifier, one).advance(STEPS).state.cost for one in steps]
     order = sorted(range(len(steps)), key=lambda one: (not known[one], costs[one]))
     assert len(shown) == len(steps) > AT_A_TIME
@@ -180,7 +180,7 @@ def test_the_most_promising_are_shown_the_recordings_first_and_known_ones_before
 def test_while_little_has_been_seen_all_numbers_are_believed_to_be_where_they_are(rough, workshop, shown):
     given = rough.with_prior(0.3)
     moved = given.with_values({"joint.first.crush_force": 7e4})
-    simulated(workshop.identifier, [moved], [True])
+    simulated(workshop.identifier, [moved], [True], lambda share: None)
     assert moved.prior.centres["joint.first.crush_force"] != pytest.approx(7e4)
     assert shown[0].prior.centres["joint.first.crush_force"] == pytest.approx(7e4)
     assert shown[0].prior.std == 0.3

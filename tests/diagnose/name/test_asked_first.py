@@ -80,7 +80,7 @@ def refound(workshop, inquiry, model, misfit, recorded):
 def test_two_findings_are_told_in_the_forms_that_all_runs_ask_for(refound):
     found = refound(("gain_error", "constant"), ("viscous_damping", "linear"))
     gain, damping = (look.leader.proposal for look in found.rounds)
-    assert gain.form == "constant"
+    assert gain.physics == "gain_error"
     assert damping.form.startswith("power")
     assert found.search.misfit.values(found.search.point)["joint.first_viscous_damping.exponent"] == pytest.approx(
         1.6, abs=0.1
