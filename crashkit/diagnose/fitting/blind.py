@@ -22,25 +22,23 @@ def sensor_of(proposal: Proposal) -> Sensor | None:
     return (str(location["instrument"]), str(location["sensor"])) if "sensor" in location else None
 
 
-def that_may_explain(identifier: Identifier[Any], base: Misfit, starts: Sequence[Start], drop: float) -> list[Start]:
-    """Those of some claims about single sensors that may lower the cost by so much.
+def that_may_reach(identifier: Identifier[Any], base: Misfit, starts: Sequence[Start], cost: float) -> list[Start]:
+    """Those of some claims about single sensors that may lower the cost, half of chi squared, to this.
 
     Arguments:
         base: the best fit without any claim.
-        starts: all of claims about a single sensor.
-        drop: in cost, half of chi squared.
     """
-    sensors = list(dict.fromkeys(sensor for proposal, _ in starts if (sensor := sensor_of(proposal))))
-    most = dict(zip(sensors, spread(partial(_most, identifier, base), sensors), strict=True))
-    return [(proposal, values) for proposal, values in starts if most.get(sensor_of(proposal) or ("", ""), drop) >= drop]
+    accused = [(sensor, start) for start in starts if (sensor := sensor_of(start[0])) is not None]
+    sensors = list(dict.fromkeys(sensor for sensor, _ in accused))
+    least = dict(zip(sensors, spread(partial(_least, identifier, base), sensors), strict=True))
+    return [start for sensor, start in accused if least[sensor] <= cost]
 
 
-def _most(identifier: Identifier[Any], base: Misfit, sensor: Sensor) -> float:
-    """By how much the cost drops where the sensor leaves nothing but its noise, whatever its error, and is no constraint.
+def _least(identifier: Identifier[Any], base: Misfit, sensor: Sensor) -> float:
+    """The cost where a sensor leaves nothing but its noise, whatever its error, and is no constraint.
 
     A noise that nobody states may be as small as one likes: it was estimated by what the model leaves there.
     """
     stated = [one for one in base.channels if (one.instrument, one.sensor) == sensor and one.noise.trusted]
-    noise = 0.5 * sum(channel.independent_samples for channel in stated)
-    before, after = (begin(identifier, one) for one in (base, base.without_sensor(*sensor)))
-    return float(before.state.cost - after.advance(STEPS).state.cost - noise)
+    others = begin(identifier, base.without_sensor(*sensor)).advance(STEPS).state.cost
+    return float(others + 0.5 * sum(channel.independent_samples for channel in stated))

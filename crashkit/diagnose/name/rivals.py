@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 from attrs import frozen
 
-from crashkit.diagnose.fitting.blind import sensor_of, that_may_explain
+from crashkit.diagnose.fitting.blind import sensor_of, that_may_reach
 from crashkit.diagnose.fitting.contest import (
     GROWING,
     Entrant,
@@ -110,8 +110,8 @@ def _ahead(workshop: Workshop, base: Misfit, chosen: Sequence[Start], progress: 
     structure, readings = ([one for one in chosen if (sensor_of(one[0]) is not None) is read] for read in (False, True))
     ahead = scouted(workshop, base, structure, (1.0,), most, astray, progress)
     cost = float(begin(workshop.identifier, base).state.cost)
-    drop = cost - min((search.state.cost for _, search in ahead), default=cost)
-    further = that_may_explain(workshop.identifier, base, readings, HALF * drop)
+    best = min((search.state.cost for _, search in ahead), default=cost)
+    further = that_may_reach(workshop.identifier, base, readings, cost - HALF * (cost - best))
     return [*ahead, *scouted(workshop, base, further, (1.0,), most, astray, progress)]
 
 
