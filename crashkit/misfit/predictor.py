@@ -86,7 +86,7 @@ class Predictor:
             if readout is None:
                 motion = repeated.motion(record) if motion is None else motion
                 told[number] = self._observe(group, motion, values, sensitivities)
-            elif self._wrong(group):
+            elif group.name in self._wrong:
                 told[number] = self._misread(group, readout, record, values, sensitivities)
             else:
                 told[number] = self._read(readout, record, sensitivities)
@@ -105,13 +105,17 @@ class Predictor:
         """What is read without a Dataset; an instrument with errors is not in several axes."""
         turning = len(self.model.axes) > 1
         return [
-            None if turning and self._wrong(group) else readout_of(group, self._runs[group.run], turning, SAME_INSTANT)
+            None if turning and group.name in self._wrong else readout_of(group, self._runs[group.run], turning, SAME_INSTANT)
             for group in self.groups
         ]
 
-    def _wrong(self, group: Group) -> set[str]:
-        """The errors that the model gives an instrument."""
-        return {name for entry in self.model.instruments if entry.instrument == group.name for name in entry.parameters}
+    @cached_property
+    def _wrong(self) -> dict[str, list[str]]:
+        """The errors that the model gives each instrument that has any."""
+        wrong: dict[str, list[str]] = {}
+        for entry in self.model.instruments:
+            wrong[entry.instrument] = sorted({*wrong.get(entry.instrument, []), *entry.parameters})
+        return wrong
 
     def _read(self, readout: Readout, record: Record, sensitivities: bool) -> Prediction:
         samples = readout.samples(record.values)
@@ -125,7 +129,7 @@ class Predictor:
         return Prediction(samples, table)
 
     def _misread(self, group: Group, readout: Readout, record: Record, values: Floats, sensitivities: bool) -> Prediction:
-        wanted = sorted(self._wrong(group)) if sensitivities else []
+        wanted = self._wrong[group.name] if sensitivities else []
         read = readout.misread(record, self._errors(group, values), wanted, sensitivities)
         samples = read.value.reshape(group.recorded.shape)
         return Prediction(samples, self._table(group, read.slope, read.by_error, wanted) if sensitivities else None)
