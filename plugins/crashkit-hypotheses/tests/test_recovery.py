@@ -96,7 +96,7 @@ def found(model, workshop, recorded):
         ranked = further_rivals(equipped, base, given, proposals, nearest, True, silent).rivals
         look = Round(tuple(ranked), (1.0,), 0.0, base)
         inquiry = Inquiry(equipped, given, begin(workshop.identifier, base), silent)
-        (look,), search = in_best_forms(inquiry, [look], ranked[0].search)
+        (look,), search = in_best_forms(inquiry, [look], ranked[0].search, thorough=True)
         proposal, search = look.leader.proposal, search.advance(40)
         table = search.result().parameters.sel(parameter=list(proposal.parameters))
         values = {path.rsplit(".", 1)[-1]: float(v) for path, v in zip(proposal.parameters, table["value"], strict=True)}
@@ -161,6 +161,19 @@ def padded(model):
     first, own = model.joint("first"), fixed(clearance=0.08, pad_force=2e4, pad_exponent=2.0)
     law = evolve(first, law=f"{first.law} | pad", parameters={**first.parameters, **own})
     return evolve(model, joints=tuple(law if joint.name == "first" else joint for joint in model.joints))
+
+
+def rubbing_in_its_gap(model):
+    """Something rubs in the gap of the first joint."""
+    first, own = model.joint("first"), fixed(clearance=0.08, friction_force=4e3, slip_rate=0.05)
+    law = evolve(first, law=f"{first.law} | rubbing_gap", parameters={**first.parameters, **own})
+    return evolve(model, joints=tuple(law if joint.name == "first" else joint for joint in model.joints))
+
+
+def limited(model):
+    """A rate effect that has its limit soon after its reference rate."""
+    parameters = fixed(rate_amplitude=0.4, reference_rate=2.0, limit_sharpness=4.0)
+    return with_factor(model, "first", "rate_saturating", parameters)
 
 
 def buckling(model):
@@ -467,6 +480,14 @@ CASES = {
     fading: (("relaxation", "fading", {"joint": "first"}), {"fading_share": 0.4, "relaxation_time": 0.03}),
     engaging_softly: (("clearance", "toe", {"joint": "first"}), {"clearance": 0.02, "toe": 0.12}),
     padded: (("clearance", "padded", {"joint": "first"}), {"clearance": 0.08, "pad_force": 2e4, "pad_exponent": 2.0}),
+    rubbing_in_its_gap: (
+        ("clearance", "rubbing", {"joint": "first"}),
+        {"clearance": 0.08, "friction_force": 4e3},
+    ),
+    limited: (
+        ("rate_dependence", "to a limit, sharply", {"joint": "first"}),
+        {"rate_amplitude": 0.4, "reference_rate": 2.0, "limit_sharpness": 4.0},
+    ),
     buckling: (
         ("peak_load", "narrow", {"joint": "first"}),
         {"peak_force": 2e4, "peak_deformation": 0.1, "peak_sharpness": 20.0},
@@ -566,6 +587,7 @@ LATE = {
     pressed_by_a_ball,
     clamping,
     clamped,
+    rubbing_in_its_gap,
     repelling,
 }
 """What acts on the way back."""
