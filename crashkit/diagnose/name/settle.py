@@ -10,7 +10,7 @@ from crashkit.diagnose.fitting.search import begin_all
 from crashkit.diagnose.name.forms import in_all_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Round, between, is_of_readings, open_claims
-from crashkit.diagnose.name.rivals import HEATS, again
+from crashkit.diagnose.name.rivals import CONCEALED, HEATS, again
 from crashkit.diagnose.result import place_of
 from crashkit.protocols import Proposal
 
@@ -18,6 +18,8 @@ CHALLENGERS = 2
 """How many of its rivals with fewer numbers challenge a winner."""
 CLOSE = 1.1
 """Normalised residual of a rival in a plain form that another form may bring to the noise."""
+NEARLY = 0.9
+"""Of what a winner explains that leaves something: a rival that explains as much may explain more in another form."""
 
 
 def settled(inquiry: Inquiry, look: Round, winner: Rival, found: Sequence[Rival]) -> Round:
@@ -72,15 +74,23 @@ def _challenged(inquiry: Inquiry, look: Round, claims: Sequence[Proposal]) -> Ro
 
 
 def _contested(inquiry: Inquiry, look: Round, found: Sequence[Rival]) -> Round:
-    """The round with its winner, and what leaves as little at the same place, each in all forms.
+    """The round with its winner, and what leaves hardly more at the same place, each in all forms.
 
-    A damper and friction that is smooth, each in a plain form, may both reach the noise, and only in their best forms differ.
+    A damper and friction that is smooth, each in a plain form, may both reach the noise, and only in their best forms differ;
+    and a sharp peak, which no plain form has, is imitated by folds.
     """
     winner, place = look.leader, place_of(look.leader.proposal.location)
     here = [rival for rival in look.rivals if not is_unknown(rival) and place_of(rival.proposal.location) == place]
-    close = [rival for rival in here[: 1 + CHALLENGERS] if rival.search.normalised < CLOSE]
-    if winner.search.normalised > FLOOR or len(close) < 2:
+    close = [rival for rival in here[: 1 + CHALLENGERS] if _is_close(rival, winner)]
+    if winner.search.normalised > CONCEALED or len(close) < 2:
         return look
     fitted = [one for rival in close for one in in_all_forms(inquiry, rival, found, rival.search)]
     forms = ranked_by_evidence(fitted, winner.search.deviance + winner.drop)
     return between(look, best_forms(sorted([*look.rivals, *forms], key=lambda rival: -rival.evidence)))
+
+
+def _is_close(rival: Rival, winner: Rival) -> bool:
+    """Whether another form of it may leave as little as the winner, or less."""
+    if winner.search.normalised <= FLOOR:
+        return rival.search.normalised < CLOSE
+    return rival.drop > NEARLY * winner.drop

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 import xarray as xr
 from attrs import evolve
+from scipy.constants import g
 
 from crashkit.api import workshop as installed
+from crashkit.diagnose.fitting.evidence import best_forms
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
@@ -94,9 +96,9 @@ def found(model, workshop, recorded):
         equipped = workshop.equipped([proposal.model for proposal in proposals])
         nearest, _ = nearest_rivals(equipped, base, proposals, lambda _: LEAST_DROP, silent)
         ranked = further_rivals(equipped, base, given, proposals, nearest, True, silent).rivals
-        look = Round(tuple(ranked), (1.0,), 0.0, base)
+        look = Round(tuple(best_forms(ranked)), (1.0,), 0.0, base)
         inquiry = Inquiry(equipped, given, begin(workshop.identifier, base), silent)
-        (look,), search = in_best_forms(inquiry, [look], ranked[0].search, thorough=True)
+        (look,), search = in_best_forms(inquiry, [look], look.leader.search, thorough=True)
         proposal, search = look.leader.proposal, search.advance(40)
         table = search.result().parameters.sel(parameter=list(proposal.parameters))
         values = {path.rsplit(".", 1)[-1]: float(v) for path, v in zip(proposal.parameters, table["value"], strict=True)}
@@ -561,7 +563,6 @@ CASES = {
     ),
     rocking: (("rotation", "rocking", {"body": "rear"}), {"rocking_frequency": 9.0, "rocking_damping": 0.2}),
     pitching: (("rotation", "rocking", {"body": "rear"}), {}),
-    leaning: (("misalignment", "lean", {"sensor": "rear_sensor"}), {"lean": -0.35, "bias": 0.0}),
     heaving: (("misalignment", "lean, heaving", {"sensor": "rear_sensor"}), {"lean": 0.3, "rocking_frequency": 6.0}),
     shifting: (("bias", "shift", {"sensor": "rear_sensor"}), {"zero_shift": 9.0, "zero_shift_time": 0.06}),
     bending: (("saturation", "soft", {"sensor": "rear_sensor"}), {"saturation_soft": 120.0}),
@@ -601,9 +602,18 @@ def test_what_was_concealed_is_found_where_it_was(found, model, conceal):
     )
     # What never lets go holds as well as not.
     assert (proposal.form.removesuffix(", holding"), {key: proposal.location[key] for key in place}) == (form, place)
-    assert normalised == pytest.approx(1.0, abs=0.03)
+    assert normalised == pytest.approx(1.0, abs=0.05 if physics == "unknown" else 0.03)  # an estimate is a coarse table
     for name, value in true.items():
         assert abs(values[name] - value) < 4.0 * stds[name] + 0.01 * abs(value), (name, values[name], stds[name])
+
+
+def test_how_far_a_sensor_leans_is_found_but_not_to_which_side(found, model):
+    """cos(lean) is the same on both, and gravity's share is told apart from an offset by nothing."""
+    proposal, values, stds, normalised = found("misalignment", leaning(model))
+    assert (proposal.form, proposal.location["sensor"]) == ("lean", "rear_sensor")
+    assert abs(values["lean"]) == pytest.approx(0.35, abs=4.0 * stds["lean"])
+    assert g * np.sin(values["lean"]) + values["bias"] == pytest.approx(-g * np.sin(0.35), abs=0.2)
+    assert normalised == pytest.approx(1.0, abs=0.03)
 
 
 def crushed_twice(model):
