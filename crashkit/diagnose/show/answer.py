@@ -107,7 +107,7 @@ def _findings(
             run_drops(look.before, rival.search.fitted()),
             max(float(group.times[-1]) for group in discovery.final.groups),
         )
-        told.append((_with_experiment(finding, look, discovery.base.model.bodies), action))
+        told.append((_with_experiment(workshop, finding, look, discovery.base.model.bodies), action))
     if discovery.search.normalised > FLOOR and UNKNOWN in workshop.hypotheses:
         told = _imitations_told(told, workshop.hypotheses[UNKNOWN].sentence)
     trees = {f"{number}/{run}": one for number, (_, action) in enumerate(told) for run, one in action.items()}
@@ -133,13 +133,21 @@ def _alternatives(look: Round, belief: float) -> list[Alternative]:
     ]
 
 
-def _with_experiment(finding: Finding, look: Round, bodies: Sequence[Body]) -> Finding:
+def _with_experiment(workshop: Workshop, finding: Finding, look: Round, bodies: Sequence[Body]) -> Finding:
     """The finding with the test that would tell it from its strongest rival, if that is worth telling."""
     if len(look.rivals) < 2 or look.probabilities[1] < WORTH_TELLING:
         return finding
     first, second = look.rivals[:2]
     name = f"{second.proposal.physics} at {place_of(second.proposal.location)}"
-    return evolve(finding, experiment=experiment(first.search.fitted(), second.search.fitted(), name, bodies))
+    best, rival = _seen_alike(workshop, first.search.fitted(), second.search.fitted())
+    return evolve(finding, experiment=experiment(best, rival, name, bodies))
+
+
+def _seen_alike(workshop: Workshop, first: Misfit, second: Misfit) -> tuple[Misfit, Misfit]:
+    """Two fits to all the instruments that either saw: one may have been made while an accelerometer was set aside."""
+    fullest = max(first, second, key=lambda one: len(one.channels))
+    equipped = workshop.equipped([first.model, second.model])
+    return equipped.misfit(fullest, first.model), equipped.misfit(fullest, second.model)
 
 
 def _verdict(findings: tuple[Finding, ...], explains: bool) -> str:

@@ -16,7 +16,7 @@ BEFORE = 1.6
 """Times the deformation at which the plateau begins: a peak beyond that is none before the plateau."""
 PASSED = 0.85
 """Of the deformation reached: a peak that is hardly passed shows as a rise alone, which is no peak."""
-FINE = ("pointed", "uneven", "bell")
+FINE = ("pointed", "uneven", "bell", "decaying")
 """Shapes of a peak that have simpler ones which stand in for them."""
 PROPORTIONAL = 0.9
 """Of the largest force per deformation."""
@@ -68,6 +68,7 @@ class PeakLoad(Hypothesis):
             ("pointed", "pointed_peak", flanked),
             ("uneven", "pointed_peak", flanked | {"peak_rise": width}),
             ("bell", "bell_peak", flanked),
+            ("decaying", "decaying_peak", flanked | {"peak_rise": width}),
         )
         starts = grid(peak_deformation=[min(share * plateau, latest) for share in (0.7, 1.0, 1.4)])
         bump = Effect(

@@ -91,8 +91,9 @@ class JointFriction(Hypothesis):
         share = {"friction_share": Parameter(0.0, 0.0, 1.0), "slip_rate": Parameter(0.1, 0.01, 1.0)}
         pressed = Effect(self.physics, "in proportion", "rubbing", share, "friction_share")
         preload = Effect(self.physics, "preloaded", "coulomb", force | established | always, "friction_force")
-        rising = {name: less[name] for name in ("slip_rate", "stick", "stick_rate")}
-        slipping = evolve(pressed, form="in proportion, falling", parameters={**share, **rising})
+        # A share that rises with the rate is a rate effect.
+        slower = {"slip_rate": less["slip_rate"], "stick": evolve(less["stick"], lower=0.0), "stick_rate": less["stick_rate"]}
+        slipping = evolve(pressed, form="in proportion, falling", parameters={**share, **slower})
         fine = [
             *pushing_beside(model, joint, pushing),
             multiplied(model, joint, slipping),

@@ -200,6 +200,14 @@ def buckling_slowly(model):
     return evolve(model, joints=(uneven, *model.joints[1:]))
 
 
+def buckling_for_long(model):
+    """Its peak is lost little by little."""
+    first = model.joints[0]
+    peak = fixed(peak_force=4e4, peak_deformation=0.25, peak_width=0.15, peak_rise=0.05)
+    decaying = evolve(first, law="crush_plateau + decaying_peak", parameters={**first.parameters, **peak})
+    return evolve(model, joints=(decaying, *model.joints[1:]))
+
+
 def buckling_deeply(model):
     """Behind its peak it carries less than its plateau for a while."""
     first = model.joints[0]
@@ -501,6 +509,10 @@ CASES = {
     buckling_slowly: (
         ("peak_load", "uneven", {"joint": "first"}),
         {"peak_deformation": 0.25, "peak_width": 0.08, "peak_rise": 0.2},
+    ),
+    buckling_for_long: (
+        ("peak_load", "decaying", {"joint": "first"}),
+        {"peak_deformation": 0.25, "peak_width": 0.15, "peak_rise": 0.05},
     ),
     buckling_deeply: (
         ("peak_load", "with a dip", {"joint": "first"}),

@@ -1,6 +1,6 @@
 """The force laws and rate factors that ship with crashkit."""
 
-from crashkit_spring_laws.buckling import BellPeak, DippingPeak, Folding, Peak, PointedPeak
+from crashkit_spring_laws.buckling import BellPeak, DecayingPeak, DippingPeak, Folding, Peak, PointedPeak
 from crashkit_spring_laws.crush_plateau import CrushPlateau
 from crashkit_spring_laws.dampers import Viscous, ViscousPower
 from crashkit_spring_laws.fracture import Brittle, Fracture, Tear
@@ -68,6 +68,7 @@ SPRING_LAWS = (
     Peak,
     PointedPeak,
     BellPeak,
+    DecayingPeak,
     DippingPeak,
     Folding,
     Fracture,
@@ -96,6 +97,7 @@ __all__ = [
     "CrushPlateau",
     "CrushStop",
     "Dahl",
+    "DecayingPeak",
     "DippingPeak",
     "DrivenCurve",
     "ExponentialStop",

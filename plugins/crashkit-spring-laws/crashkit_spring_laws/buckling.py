@@ -82,6 +82,34 @@ class BellPeak(SpringLaw):
         return peak_force * max(0.0, share - (d_max - d) / peak_width)
 
 
+class DecayingPeak(SpringLaw):
+    """The peak of an undeformed member that is lost little by little: P exp(-(d_max - peak_deformation) / w) behind it.
+
+    Before it, F rises in a line over `peak_rise`. It comes once, like `peak`, and is released along a slope of P over the
+    shorter of the two ways, which is as steep as its flanks.
+    """
+
+    name = "decaying_peak"
+    parameters = (
+        *PLACE[:2],
+        ParameterSpec("peak_width", "m", "from the peak to where 37 % of it are left (w)", lower=1e-4),
+        ParameterSpec("peak_rise", "m", "from where it begins to the peak", lower=1e-4),
+    )
+
+    @staticmethod
+    def force(
+        d: float, ddot: float, d_max: float, peak_force: float, peak_deformation: float, peak_width: float, peak_rise: float
+    ) -> float:
+        """The force, N, compression positive."""
+        before = min(peak_rise, peak_deformation)
+        x = max(0.0, d_max) - peak_deformation
+        if x < 0.0:
+            share = 1.0 + x / before
+        else:
+            share = math.exp(-x / peak_width)
+        return peak_force * max(0.0, max(0.0, share) - (d_max - d) / min(before, peak_width))
+
+
 class DippingPeak(SpringLaw):
     """The peak of a member that buckles, and carries less than its plateau before it finds that again.
 

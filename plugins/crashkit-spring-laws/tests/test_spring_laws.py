@@ -18,6 +18,7 @@ from crashkit_spring_laws import (
     CrushPlateau,
     CrushStop,
     Dahl,
+    DecayingPeak,
     DippingPeak,
     DrivenCurve,
     ExponentialStop,
@@ -124,6 +125,8 @@ EXAMPLES = [
     (PointedPeak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": 0.2}),
     (PointedPeak, {"peak_force": 5e4, "peak_deformation": 0.2, "peak_width": 0.05, "peak_rise": 0.15}),
     (BellPeak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": 0.06}),
+    (DecayingPeak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": 0.06, "peak_rise": 0.02}),
+    (DecayingPeak, {"peak_force": 5e4, "peak_deformation": 0.02, "peak_width": 0.06, "peak_rise": 0.1}),
     (BoucWen, {"stiffness": 1e6, "yield_force": 5e4}),
     (BoucWen, {"stiffness": 1e6, "yield_force": 5e4, "hardening": 0.1, "sharpness": 1.0}),
     (ViscousPower, {"damping": 1e4, "exponent": 0.6}),
@@ -357,6 +360,13 @@ def test_a_bell_begins_at_nothing():
     forces = [value(BellPeak, d, **shape) for d in (0.0, 0.1, 0.16, 1.0)]
     assert forces == pytest.approx([0.0, 5e4, 5e4 / math.e, 0.0], abs=1e-6)
     assert value(BellPeak, 0.1, d_max=0.5, **shape) == 0.0
+
+
+def test_a_peak_that_decays_rises_in_a_line_and_is_lost_little_by_little():
+    shape = {"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": 0.06, "peak_rise": 0.04}
+    forces = [value(DecayingPeak, d, **shape) for d in (0.05, 0.08, 0.1, 0.16, 0.22)]
+    assert forces == pytest.approx([0.0, 25e3, 5e4, 5e4 / math.e, 5e4 / math.e**2])
+    assert value(DecayingPeak, 0.09, d_max=0.1, **shape) == pytest.approx(37.5e3)  # back along the steeper flank
 
 
 def test_folding_swings_about_nothing_and_lets_go():
