@@ -11,6 +11,7 @@ from crashkit.diagnose.fitting.evidence import explains
 from crashkit.diagnose.fitting.growing import grown
 from crashkit.diagnose.fitting.regress import regression
 from crashkit.diagnose.fitting.search import STEPS, Search, advance_all, begin_all, weighed
+from crashkit.diagnose.fitting.waken import wakened
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Identifier, Status
@@ -44,7 +45,8 @@ def understood(workshop: Workshop, misfit: Misfit) -> Search:
     end = regression(workshop, misfit)
     starts = [misfit] if end is None else [misfit, misfit.with_values(end[0])]
     ends = spread(partial(grown, workshop.identifier), starts)
-    return _fitted(workshop, misfit, [*ends, *([] if end is None else [end[0]])])
+    best = _fitted(workshop, misfit, [*ends, *([] if end is None else [end[0]])])
+    return best if explains(best) else wakened(workshop, best)
 
 
 def _fitted(workshop: Workshop, misfit: Misfit, ends: Sequence[Mapping[str, float]]) -> Search:

@@ -7,7 +7,8 @@ from attrs import evolve, field, frozen
 from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED, Rival, explains, is_unknown, ranked_by_evidence
 from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.rebuild import alone_again
-from crashkit.diagnose.fitting.search import Search
+from crashkit.diagnose.fitting.reidentify import understood
+from crashkit.diagnose.fitting.search import Search, weighed
 from crashkit.diagnose.fitting.sharpen import check_pace
 from crashkit.diagnose.locate.courses import Pointer
 from crashkit.diagnose.name.exchange import exchanged
@@ -140,7 +141,7 @@ def reconsidered(inquiry: Inquiry, rounds: list[Round], search: Search) -> tuple
     for claim in [look.leader.identity for look in rounds]:
         place = [look.leader.identity for look in looks].index(claim)
         rest = [*looks[:place], *looks[place + 1 :]]
-        without = inquiry.fit_with([look.leader for look in rest], search)
+        without = _spared(inquiry, [look.leader for look in rest], search)
         if without is None:
             continue
         rest, without = in_best_forms(inquiry, rest, without)
@@ -154,6 +155,18 @@ def reconsidered(inquiry: Inquiry, rounds: list[Round], search: Search) -> tuple
         elif look.winner.search.deviance < search.deviance + TIE:
             looks, search = [*rest[:place], look, *rest[place:]], look.winner.search
     return looks, search
+
+
+def _spared(inquiry: Inquiry, rest: Sequence[Rival], search: Search) -> Search | None:
+    """The best fit with the other findings alone: from where all of them together have driven the model's own numbers, and
+    from where the user gave these. One that stood in for another may have driven them where nothing else explains anything.
+    """
+    near = inquiry.fit_with(rest, search)
+    if near is None or not rest or near.deviance < search.deviance + TIE:
+        return near
+    inquiry.progress("re-identifying without a finding", 0.0)
+    afresh = near.misfit.with_values_of(search.fitted()).with_values_of(inquiry.given)
+    return min(near, weighed([understood(inquiry.workshop, afresh)])[0], key=lambda one: one.deviance)
 
 
 def _corrects(winner: Rival, rounds: Sequence[Round]) -> bool:

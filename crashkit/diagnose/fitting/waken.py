@@ -1,0 +1,60 @@
+"""A threshold that no run reaches where a search ends has no derivative there, and stays: begun again where it is reached."""
+
+from collections.abc import Iterator, Mapping
+
+from crashkit.diagnose.fitting.search import STEPS, Search, advance_all, begin_all
+from crashkit.diagnose.workshop import Workshop
+from crashkit.model import Model
+
+REACHED = (0.9, 0.7, 0.5)
+"""Of the largest that its joint comes to: where a threshold is begun again."""
+FIRST_STEPS = 8
+"""After which one that leaves more than the fit that does not reach it is given up."""
+OF = {"m": "deformation", "N": "force"}
+"""What a threshold with these units is one of."""
+
+
+def wakened(workshop: Workshop, search: Search) -> Search:
+    """The fit, or a better one that reaches thresholds which it does not reach.
+
+    Densification behind all that a joint comes to, or a plateau above all that it bears, would be missed in any claim's light.
+    """
+    starts = [search.fitted().with_values(lower) for lower in _lower(workshop, search)]
+    begun = advance_all(begin_all(search.identifier, starts), FIRST_STEPS)
+    ahead = [one for one in begun if one.state.cost < search.state.cost]
+    best = min([search, *advance_all(ahead, STEPS)], key=lambda one: one.state.cost)
+    return search if best is search else wakened(workshop, best)
+
+
+def _lower(workshop: Workshop, search: Search) -> Iterator[dict[str, float]]:
+    """Values, in SI units, of the lengths and forces in laws that nothing depends on, at which something would: each alone,
+    and all together."""
+    values, places = search.misfit.values(search.point), _places(workshop, search.misfit.model)
+    asleep = [path for path in _asleep(search) if path in places]
+    largest = _largest(search) if asleep else {}
+    for share in REACHED:
+        lower = {path: share * largest[places[path]] for path in asleep if 0.0 < share * largest[places[path]] < values[path]}
+        yield from ({path: value} for path, value in lower.items())
+        if len(lower) > 1:
+            yield lower
+
+
+def _asleep(search: Search) -> list[str]:
+    """The numbers that no sample depends on."""
+    misfit = search.misfit
+    jacobian = misfit.residual_and_jacobian(search.point)[1][: misfit.sample_count]
+    return [name for name, column in zip(misfit.names, jacobian.T, strict=True) if not column.any()]
+
+
+def _places(workshop: Workshop, model: Model) -> Mapping[str, tuple[str, str]]:
+    """The joint of each length and force in a law, and what they are one of, by path."""
+    specs = [(joint.name, spec) for joint in model.joints for spec in workshop.laws[joint.law].parameters]
+    return {f"joint.{joint}.{spec.name}": (joint, OF[spec.unit]) for joint, spec in specs if spec.unit in OF}
+
+
+def _largest(search: Search) -> dict[tuple[str, str], float]:
+    """The largest deformation, m, and force, N, of each joint in any run."""
+    misfit, values = search.misfit, search.misfit.values(search.point)
+    motions = [misfit.predictor.motion(run, values) for run in misfit.recordings]
+    joints = motions[0]["joint"].values.tolist()
+    return {(j, name): max(float(run[name].sel(joint=j).max()) for run in motions) for j in joints for name in OF.values()}

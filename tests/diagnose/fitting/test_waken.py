@@ -1,0 +1,34 @@
+"""Thresholds that a search does not reach."""
+
+import pytest
+
+from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.fitting.waken import wakened
+
+THRESHOLD = "joint.first.densification_deformation"
+
+
+@pytest.fixture
+def fit(workshop, model, misfit, recorded):
+    """A fit of recordings of the model, begun where that threshold has another value than it has."""
+
+    def of(threshold):
+        here = misfit(model, slow=recorded(model, 0.9, 1), fast=recorded(model, 1.2, 2))
+        return begin(workshop.identifier, here.with_values({THRESHOLD: threshold})).advance(60)
+
+    return of
+
+
+def test_a_threshold_that_is_never_reached_is_begun_again_where_it_is(workshop, model, fit):
+    true = model.free_parameters()[THRESHOLD].value
+    asleep = fit(5.0 * true)
+    assert asleep.misfit.values(asleep.point)[THRESHOLD] == pytest.approx(5.0 * true)
+    assert asleep.normalised > 1.5
+    found = wakened(workshop, asleep)
+    assert found.misfit.values(found.point)[THRESHOLD] == pytest.approx(true, rel=0.01)
+    assert found.normalised == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_fit_that_reaches_all_its_thresholds_stays(workshop, model, fit):
+    here = fit(model.free_parameters()[THRESHOLD].value)
+    assert wakened(workshop, here) is here
