@@ -11,7 +11,7 @@ from crashkit.diagnose.name.forms import in_all_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Round, between, is_of_readings, open_claims
 from crashkit.diagnose.name.rivals import CONCEALED, HEATS, again
-from crashkit.diagnose.result import place_of
+from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.protocols import Proposal
 
 CHALLENGERS = 2
@@ -24,7 +24,7 @@ NEARLY = 0.9
 
 def settled(inquiry: Inquiry, look: Round, winner: Rival, found: Sequence[Rival]) -> Round:
     """The round with its winner re-identified, where something is left, or numbers are strained; then challenged by claims of
-    fewer numbers, and by those at its place that leave as little.
+    fewer numbers and by those at its place, of which the closest are asked for in all forms.
 
     Arguments:
         found: what was found before.
@@ -32,7 +32,7 @@ def settled(inquiry: Inquiry, look: Round, winner: Rival, found: Sequence[Rival]
     look = _reidentified(inquiry, look, winner)
     if is_unknown(look.leader):
         return look
-    claims = _simpler(inquiry, look, found)
+    claims = _challengers(inquiry, look, found)
     return _contested(inquiry, _challenged(inquiry, look, claims) if claims else look, found)
 
 
@@ -47,22 +47,22 @@ def _reidentified(inquiry: Inquiry, look: Round, winner: Rival) -> Round:
     return evolve(look, rivals=(better, *look.rivals[1:]))
 
 
-def _simpler(inquiry: Inquiry, look: Round, found: Sequence[Rival]) -> list[Proposal]:
-    """The best rivals that have fewer numbers than the winner, and all that the structure may have wrong in one."""
+def _challengers(inquiry: Inquiry, look: Round, found: Sequence[Rival]) -> list[Proposal]:
+    """The best rivals that have fewer numbers than the winner, all that the structure may have wrong in one, if it has more,
+    and whatever else may act at its place, in plain forms."""
     winner, *others = look.rivals
-    size = len(winner.proposal.parameters)
-    if size == 1:
-        return []
+    size, place = len(winner.proposal.parameters), place_of(winner.proposal.location)
     rivals = [r.proposal for r in others if not is_unknown(r) and len(r.proposal.parameters) < size][:CHALLENGERS]
-    claims = open_claims(inquiry, look.before, [winner, *found])
-    plain = [p for p in claims if len(p.parameters) == 1 and not is_of_readings(p)]
-    return [*rivals, *(p for p in plain if not any(is_same(p, rival) for rival in rivals))]
+    claims = [p for p in open_claims(inquiry, look.before, [winner, *found]) if not p.refined and p.physics != UNKNOWN]
+    further = [p for p in claims if place_of(p.location) == place or (len(p.parameters) == 1 < size and not is_of_readings(p))]
+    return [*rivals, *(p for p in further if not any(is_same(p, rival) for rival in rivals))]
 
 
 def _challenged(inquiry: Inquiry, look: Round, claims: Sequence[Proposal]) -> Round:
-    """The round with simpler claims fitted from where its winner has driven the model's own numbers.
+    """The round with other claims fitted from where its winner has driven the model's own numbers.
 
-    A load on a stiff tie is a mass that is wrong, and says so in more numbers; the mass may only have stayed in a valley.
+    A load on a stiff tie is a mass that is wrong, and says so in more numbers; the mass may only have stayed in a valley. And
+    friction in proportion may have been on the way where a rate effect is not yet.
     """
     winner = look.leader
     workshop = inquiry.workshop.equipped([claim.model for claim in claims])
@@ -70,7 +70,7 @@ def _challenged(inquiry: Inquiry, look: Round, claims: Sequence[Proposal]) -> Ro
     begun = list(zip(claims, begin_all(workshop.identifier, misfits), strict=True))
     fitted = ranked_by_evidence(heats(begun, HEATS, inquiry.progress), winner.search.deviance + winner.drop)
     ranked = best_forms(sorted([*look.rivals, *fitted], key=lambda rival: -rival.evidence))
-    return between(look, ranked) if ranked[0].identity != winner.identity and not is_unknown(ranked[0]) else look
+    return between(look, ranked) if not is_unknown(ranked[0]) else look
 
 
 def _contested(inquiry: Inquiry, look: Round, found: Sequence[Rival]) -> Round:
