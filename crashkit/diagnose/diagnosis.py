@@ -16,6 +16,7 @@ from crashkit.diagnose.fitting.reidentify import refine, reidentify
 from crashkit.diagnose.fitting.search import STEPS, Search, begin
 from crashkit.diagnose.fitting.sharpen import ROUGHLY, OutrunError, in_the_light_of, sharpened, weighed_alike
 from crashkit.diagnose.fitting.thinning import thinned_by
+from crashkit.diagnose.fitting.waken import awake
 from crashkit.diagnose.name.discover import discover
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Round
@@ -87,7 +88,7 @@ def _explained(
     # Numbers far from what the user gave make up for physics: what they ask of the rate, the structure does not.
     if base.misfit.departure(base.point) <= STRAINED:
         base = sharpened(equipped, model, recordings, base)
-    discovery = _discovered(equipped, model, recordings, given, base, looks, progress)
+    discovery = _discovered(equipped, model, recordings, awake(equipped, given, base), base, looks, progress)
     progress.show("refining", 0.0)
     discovery = beside_twins(equipped, discovery)
     return equipped, _refined(equipped, discovery, model, recordings)

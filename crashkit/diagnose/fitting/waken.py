@@ -2,8 +2,13 @@
 
 from collections.abc import Iterator, Mapping
 
-from crashkit.diagnose.fitting.search import STEPS, Search, advance_all, begin_all
+import numpy as np
+
+from crashkit.diagnose.fitting.regress import residual_and_jacobian
+from crashkit.diagnose.fitting.search import STEPS, Search, advance_all, begin, begin_all
 from crashkit.diagnose.workshop import Workshop
+from crashkit.errors import SimulationError
+from crashkit.misfit import Misfit
 from crashkit.model import Model
 
 REACHED = (0.9, 0.7, 0.5)
@@ -26,6 +31,21 @@ def wakened(workshop: Workshop, search: Search) -> Search:
     return search if best is search else wakened(workshop, best)
 
 
+def awake(workshop: Workshop, given: Misfit, fitted: Search) -> Misfit:
+    """The given values, but a fit's of thresholds that it reaches, and they do not, simulated or as it was measured.
+
+    Where such a threshold was given, either simulations or the equations of motion do not tell which way it is wrong.
+    """
+    places, known = _places(workshop, given.model), fitted.misfit.values(fitted.point)
+    equations = residual_and_jacobian(workshop, given)
+    asleep = set(_idle(given, equations[1])) if equations else set()
+    try:
+        asleep |= set(_asleep(begin(fitted.identifier, given)))
+    except SimulationError:
+        pass
+    return given.with_values({path: known[path] for path in asleep.difference(_asleep(fitted)) if path in places})
+
+
 def _lower(workshop: Workshop, search: Search) -> Iterator[dict[str, float]]:
     """Values, in SI units, of the lengths and forces in laws that nothing depends on, at which something would: each alone,
     and all together."""
@@ -42,7 +62,11 @@ def _lower(workshop: Workshop, search: Search) -> Iterator[dict[str, float]]:
 def _asleep(search: Search) -> list[str]:
     """The numbers that no sample depends on."""
     misfit = search.misfit
-    jacobian = misfit.residual_and_jacobian(search.point)[1][: misfit.sample_count]
+    return _idle(misfit, misfit.residual_and_jacobian(search.point)[1][: misfit.sample_count])
+
+
+def _idle(misfit: Misfit, jacobian: np.ndarray) -> list[str]:
+    """The numbers of columns that are nothing."""
     return [name for name, column in zip(misfit.names, jacobian.T, strict=True) if not column.any()]
 
 

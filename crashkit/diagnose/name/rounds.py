@@ -7,9 +7,9 @@ from attrs import evolve, field, frozen
 from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED, Rival, explains, is_unknown, ranked_by_evidence
 from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.rebuild import alone_again
-from crashkit.diagnose.fitting.reidentify import understood
-from crashkit.diagnose.fitting.search import Search, weighed
+from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.fitting.sharpen import check_pace
+from crashkit.diagnose.fitting.waken import wakened
 from crashkit.diagnose.locate.courses import Pointer
 from crashkit.diagnose.name.exchange import exchanged
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
@@ -158,15 +158,9 @@ def reconsidered(inquiry: Inquiry, rounds: list[Round], search: Search) -> tuple
 
 
 def _spared(inquiry: Inquiry, rest: Sequence[Rival], search: Search) -> Search | None:
-    """The best fit with the other findings alone: from where all of them together have driven the model's own numbers, and
-    from where the user gave these. One that stood in for another may have driven them where nothing else explains anything.
-    """
+    """The fit with the other findings alone, which may reach thresholds that one that stood in for them had kept asleep."""
     near = inquiry.fit_with(rest, search)
-    if near is None or not rest or near.deviance < search.deviance + TIE:
-        return near
-    inquiry.progress("re-identifying without a finding", 0.0)
-    afresh = near.misfit.with_values_of(search.fitted()).with_values_of(inquiry.given)
-    return min(near, weighed([understood(inquiry.workshop, afresh)])[0], key=lambda one: one.deviance)
+    return near if near is None or not rest else wakened(inquiry.workshop, near)
 
 
 def _corrects(winner: Rival, rounds: Sequence[Round]) -> bool:

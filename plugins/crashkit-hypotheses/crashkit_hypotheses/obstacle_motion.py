@@ -23,7 +23,7 @@ Parameters = Mapping[str, Parameter]
 
 
 class ObstacleMotion(Hypothesis):
-    """A fixed body has a mass M, and is held by nothing, by dry friction f sign(v), by a spring k u and a dashpot c v, or by
+    """A fixed body has a mass M, and is held by nothing, by dry friction f sign(v), by a spring k u and a dashpot c v, by both, or by
     what it crushes."""
 
     physics: ClassVar[str] = "obstacle_motion"
@@ -50,7 +50,7 @@ def _holds(
     """Only on a line can a joint hold a body from behind, where a load cell does not feel it."""
     groups = [group.to_dataset(inherit=False) for recording in recordings for group in recording.children.values()]
     is_weighed = any("force" in group and name in group["sensor_body"].values for group in groups)
-    return () if is_weighed and len(model.axes) > 1 else (_sliding, _sliding_slowly, _sprung, _crushing)
+    return () if is_weighed and len(model.axes) > 1 else (_sliding, _sliding_slowly, _sprung, _sprung_and_sliding, _crushing)
 
 
 def _push(model: Model, motion: Sequence[xr.Dataset], name: str) -> float:
@@ -90,6 +90,21 @@ def _sprung(model: Model, name: str, mass: float, force: float) -> Proposal:
     }
     starts = _starts(mass, "stiffness", force, ((0.5, 5.0), (0.5, 50.0), (5.0, 50.0), (5.0, 500.0)))
     return _moving(model, name, "sprung", mass, "tie", spring, starts)
+
+
+def _sprung_and_sliding(model: Model, name: str, mass: float, force: float) -> Proposal:
+    """A block on soil that springs back, or one on springs that rubs."""
+    held = {
+        "stiffness": Parameter(5.0 * force, 1e-2 * force, 1e4 * force),
+        "damping": Parameter(0.0, 0.0, 10.0 * force),
+        "slack": Parameter(0.0, fixed=True),
+        "holds": Parameter(1.0, fixed=True),
+        "friction_force": Parameter(0.3 * force, 1e-3 * force, 10.0 * force),
+        "slip_rate": Parameter(0.5 * SLIP_RATE, 0.01 * SLIP_RATE, 10.0 * SLIP_RATE),
+    }
+    shares = ((0.5, 5.0, 0.3), (5.0, 2.0, 0.3), (5.0, 50.0, 0.3), (50.0, 50.0, 0.3))
+    starts = [{"mass": m * mass, "stiffness": k * force, "friction_force": f * force} for m, k, f in shares]
+    return evolve(_moving(model, name, "sprung and sliding", mass, "tie | coulomb", held, starts), refined=True)
 
 
 def _crushing(model: Model, name: str, mass: float, force: float) -> Proposal:
