@@ -7,29 +7,36 @@ IMAGINARY = 1e-30
 """Step of complex differentiation: f' = Im f(x + i h) / h, without cancellation."""
 
 
-def ringing(felt: np.ndarray, times: np.ndarray, frequency: np.ndarray, damping: np.ndarray) -> np.ndarray:
+WHOLE = np.ones(1)
+
+
+def ringing(
+    felt: np.ndarray, times: np.ndarray, frequency: np.ndarray, damping: np.ndarray, path: np.ndarray = WHOLE
+) -> np.ndarray:
     """The acceleration of a mass that rings on its base, at rest before the first sample; or the displacement, of the base's.
 
-    a = q + 2 zeta q' / w with q'' + 2 zeta w q' + w^2 q = w^2 felt, w = 2 pi frequency: what passes from a base to the mass
-    on it. Exact for accelerations that are linear between samples, however far apart.
+    a = q + path 2 zeta q' / w with q'' + 2 zeta w q' + w^2 q = w^2 felt, w = 2 pi frequency: what passes from a base to the
+    mass on it. Exact for accelerations that are linear between samples, however far apart.
 
     Arguments:
         felt: of the base, (time, channel, column).
         times: s.
         frequency: natural frequency in Hz, (channel,).
         damping: of critical, below 1, (channel,).
+        path: 1 where it passes through spring and damper, as to a mass on its mount; 0 where what the spring bears is read, as
+            of a sensing element; (channel,) or (1,).
 
     Nigam & Jennings, Bulletin of the Seismological Society of America 59 (1969) 909.
     """
-    return _recursion(felt, _steps(times), frequency, damping)
+    return _recursion(felt, _steps(times), frequency, damping, np.broadcast_to(path, frequency.shape))
 
 
 def ringing_derivatives(
-    felt: np.ndarray, times: np.ndarray, frequency: np.ndarray, damping: np.ndarray
+    felt: np.ndarray, times: np.ndarray, frequency: np.ndarray, damping: np.ndarray, path: np.ndarray = WHOLE
 ) -> tuple[np.ndarray, np.ndarray]:
     """The derivatives of `ringing` to frequency and damping, each in the shape of `felt`."""
-    by_frequency = ringing(felt, times, frequency + 1j * IMAGINARY, damping + 0j)
-    by_damping = ringing(felt, times, frequency + 0j, damping + 1j * IMAGINARY)
+    by_frequency = ringing(felt, times, frequency + 1j * IMAGINARY, damping + 0j, path)
+    by_damping = ringing(felt, times, frequency + 0j, damping + 1j * IMAGINARY, path)
     return by_frequency.imag / IMAGINARY, by_damping.imag / IMAGINARY
 
 
@@ -42,7 +49,7 @@ def _steps(times: np.ndarray) -> np.ndarray:
 
 @njit(cache=True)
 def _recursion(
-    felt: np.ndarray, steps: np.ndarray, frequency: np.ndarray, damping: np.ndarray
+    felt: np.ndarray, steps: np.ndarray, frequency: np.ndarray, damping: np.ndarray, path: np.ndarray
 ) -> np.ndarray:  # pragma: no cover
     """Complex where frequency and damping are."""
     result = np.empty(felt.shape, frequency.dtype)
@@ -57,7 +64,7 @@ def _recursion(
                 q, rate = state[column]
                 state[column, 0] = e11 * q + e12 * rate - (e11 + ramp) * before + (1.0 + ramp) * now
                 state[column, 1] = -e12 * q + e22 * rate + (e12 - ramp_rate) * before + ramp_rate * now
-                result[time, channel, column] = state[column, 0] + 2.0 * damping[channel] * state[column, 1]
+                result[time, channel, column] = state[column, 0] + path[channel] * 2.0 * damping[channel] * state[column, 1]
     return result
 
 

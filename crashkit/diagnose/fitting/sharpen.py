@@ -44,6 +44,21 @@ def check_pace(workshop: Workshop, given: Misfit, found: Rival) -> None:
         raise OutrunError(evolve(found, search=finer))
 
 
+def check_rate(workshop: Workshop, given: Misfit, found: Rival) -> None:
+    """Raises OutrunError where readings that a finding explains change faster than the thinned recordings show.
+
+    However much else is left: the means that these consist of have taken away part of what rings.
+    """
+    left = found.search
+    if not workshop.recorded:
+        return
+    equipped = workshop.equipped([left.misfit.model])
+    finer = in_the_light_of(equipped, given.model, workshop.recorded, left.fitted())
+    if finer.sample_count > left.misfit.sample_count:
+        search = begin(workshop.identifier, equipped.misfit(finer, left.fitted().model)).advance(STEPS)
+        raise OutrunError(evolve(found, search=search))
+
+
 def sharpened(workshop: Workshop, model: Model, recordings: Mapping[str, xr.DataTree], search: Search) -> Search:
     """The fit to recordings that are thinned in its own light."""
     for _ in range(SHARPENINGS):

@@ -2,14 +2,24 @@
 
 from attrs import evolve
 
-from crashkit.diagnose.fitting.evidence import FLOOR, STRAINED, UNEXPLAINED, explains, is_sound, is_unknown
+from crashkit.diagnose.fitting.evidence import (
+    FLOOR,
+    STRAINED,
+    UNEXPLAINED,
+    Rival,
+    explains,
+    is_sound,
+    is_unknown,
+    ranked_by_evidence,
+    rival_of,
+)
 from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.rebuild import alone_again
 from crashkit.diagnose.fitting.search import Search
-from crashkit.diagnose.fitting.sharpen import check_pace
+from crashkit.diagnose.fitting.sharpen import check_pace, check_rate
 from crashkit.diagnose.locate.courses import courses, outstanding
 from crashkit.diagnose.name.beginnings import begun_otherwise
-from crashkit.diagnose.name.forms import in_best_forms
+from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.linked import linked_instead
 from crashkit.diagnose.name.look import FORM_ERRORS, Round, between, is_of_readings, led, look_again
@@ -30,19 +40,23 @@ FIFTH = 0.2
 leaves less by no more than that is hardly another."""
 
 
-def discovered(inquiry: Inquiry) -> Discovery:
+def discovered(inquiry: Inquiry, near: Round | None = None) -> Discovery:
     """All findings that the evidence supports, each in the light of the others.
 
     From the re-identified numbers first: where one cause in its best form explains everything from there, or all but what no
     further finding could be told for, or two causes do, no wider search is made.
+
+    Arguments:
+        near: the look from there, if it was made already.
     """
     base = inquiry.base
-    near = look_again(inquiry, base.fitted(), [], quick=True)
+    near = near or _near(inquiry)
     if base.normalised > CONCEALED:
         better = alone_again(base, [rival.search.fitted() for rival in near.rivals[:LED]])
         if better.excess < HALF * base.excess:
             return in_time(_won(base, near), discovered, evolve(inquiry, base=better))
     if _is_wrong_beside_more(near):
+        check_rate(inquiry.workshop, inquiry.given, near.leader)
         return beside_reading(inquiry, near)
     found = None
     if may_conceal(base.fitted()):
@@ -68,16 +82,45 @@ def beside_reading(inquiry: Inquiry, reading: Round) -> Discovery:
     Arguments:
         reading: the look that said so.
     """
-    search = reading.leader.search
-    alone = Discovery(search.fitted(), search.fitted(), search)
-    given = search.fitted().with_values_of(inquiry.given)
-    put_right = evolve(inquiry, workshop=evolve(inquiry.workshop, recorded={}), given=given, base=search)
-    structure = in_time(alone, discovered, put_right)
+    put_right = _put_right(inquiry, reading)
+    near = in_time(None, _near, put_right)
+    if near is not None and near.winner is not None:
+        told = in_time(reading, _told_beside, inquiry, reading, near.winner)
+        if told is not reading:
+            reading, put_right, near = told, _put_right(inquiry, told), None
+    search = put_right.base
+    structure = in_time(Discovery(search.fitted(), search.fitted(), search), discovered, put_right, near)
     rounds, search = [reading, *structure.rounds], structure.search
     rounds, search = in_time((rounds, search), in_best_forms, inquiry, rounds, search)
     if structure.rounds:
         rounds, search = in_time((rounds, search), reconsidered, inquiry, rounds, search)
     return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(rounds), structure.last)
+
+
+def _near(inquiry: Inquiry) -> Round:
+    """A look from the re-identified numbers."""
+    return look_again(inquiry, inquiry.base.fitted(), [], quick=True)
+
+
+def _put_right(inquiry: Inquiry, reading: Round) -> Inquiry:
+    """Into the model that says what an instrument has wrong."""
+    search = reading.leader.search
+    given = search.fitted().with_values_of(inquiry.given)
+    return evolve(inquiry, workshop=evolve(inquiry.workshop, recorded={}), given=given, base=search)
+
+
+def _told_beside(inquiry: Inquiry, reading: Round, structure: Rival) -> Round:
+    """The look with what an instrument has wrong in the form that tells most beside the structure: alone, one that is a little
+    off makes do for what that lacks, and beside it leaves what then seems to be still more."""
+    claim, without = reading.leader, structure.search.deviance + reading.leader.drop
+    forms = ranked_by_evidence(in_all_forms(inquiry, claim, [structure], structure.search), without)
+    if not forms or forms[0].proposal.form == claim.proposal.form:
+        return reading
+    search = inquiry.fit_with(forms[:1], forms[0].search)
+    if search is None:
+        return reading
+    told = rival_of(forms[0].proposal, search, claim.search.deviance + claim.drop)
+    return evolve(reading, rivals=(told, *reading.rivals[1:]))
 
 
 def _suffices(found: Discovery, base: Search) -> bool:

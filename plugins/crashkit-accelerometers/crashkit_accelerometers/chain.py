@@ -6,7 +6,7 @@ import numpy as np
 from scipy.constants import g
 
 from crashkit.data.channel_filter import filter_channel
-from crashkit.data.ringing import ringing, ringing_derivatives
+from crashkit.data.ringing import WHOLE, ringing, ringing_derivatives
 from crashkit_accelerometers.hysteresis import branch
 
 Own = dict[str, np.ndarray]
@@ -63,7 +63,8 @@ class Chain:
     def ring(self, oscillator: str) -> None:
         """a + share (ringing(a) - a): part of the reading, or all of it, comes through a rocking body, a ringing mount."""
         share = self._own[f"{oscillator}_share"]
-        mount = self._times, self._own[f"{oscillator}_frequency"], self._own[f"{oscillator}_damping"]
+        path = self._own.get(f"{oscillator}_path", WHOLE)
+        mount = self._times, self._own[f"{oscillator}_frequency"], self._own[f"{oscillator}_damping"], path
         column = self.value[..., None]
         change = (ringing(column, *mount) - column)[..., 0]
         if share.any():
@@ -76,6 +77,9 @@ class Chain:
             by_frequency, by_damping = ringing_derivatives(column, *mount)
             self.errors[f"{oscillator}_frequency"] = share * by_frequency[..., 0]
             self.errors[f"{oscillator}_damping"] = share * by_damping[..., 0]
+            if f"{oscillator}_path" in self._wanted:
+                with_damper, without = (ringing(column, *mount[:3], part)[..., 0] for part in (WHOLE, 0.0 * WHOLE))
+                self.errors[f"{oscillator}_path"] = share * (with_damper - without)
 
     def lean(self) -> None:
         """a cos(lean) + g sin(lean): behind the mount, to which gravity is no news."""

@@ -42,6 +42,9 @@ def channel_errors(unit: str, full_scale: float) -> tuple[ParameterSpec, ...]:
         _around_null("resonance_share", "1", "how much of the reading comes through a ringing mount", 1.0),
         _shape("resonance_frequency", "s-1", "natural frequency of the mount", 10.0, 2e4, 500.0),
         _shape("resonance_damping", "1", "damping of the mount, of critical", 1e-3, 0.99, 0.05),
+        _shape(
+            "resonance_path", "1", "1: through the mount's damper too; 0: its spring alone, a sensing element", 0.0, 1.0, 1.0
+        ),
         *CLOCK,
     )
 

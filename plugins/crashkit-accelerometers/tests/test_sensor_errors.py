@@ -88,6 +88,13 @@ def test_a_mount_rings_as_a_mass_on_a_spring_and_a_damper(read, frequency, dampi
     np.testing.assert_allclose(part, 0.6 * PULSE + 0.4 * expected, atol=1e-8)
 
 
+def test_of_a_sensing_element_what_its_spring_bears_is_read(read) -> None:
+    w, damping = 2 * np.pi * 800.0, 0.1
+    _, expected, _ = lsim(([w**2], [1.0, 2 * damping * w, w**2]), PULSE, TIMES)
+    element = {"resonance_share": 1.0, "resonance_frequency": 800.0, "resonance_damping": damping, "resonance_path": 0.0}
+    np.testing.assert_allclose(read(element), expected, atol=1e-8)
+
+
 def test_after_a_step_the_mount_rings_at_its_frequency_and_dies_by_its_damping() -> None:
     times = np.arange(4000) * 1e-5
     rung = ringing(np.ones((4000, 1, 1)), times, np.array([500.0]), np.array([0.05]))[:, 0, 0]
@@ -197,6 +204,7 @@ WRONG = {
     "resonance_share": 0.6,
     "resonance_frequency": 700.0,
     "resonance_damping": 0.08,
+    "resonance_path": 0.4,
     "position_x": 0.03,
     "position_y": -0.02,
     "position_z": 0.01,

@@ -23,8 +23,8 @@ Parameters = Mapping[str, Parameter]
 
 
 class ObstacleMotion(Hypothesis):
-    """A fixed body has a mass M, and is held by nothing, by dry friction f sign(v), by a spring k u and a dashpot c v, by both, or by
-    what it crushes."""
+    """A fixed body has a mass M, and is held by nothing, by dry friction f sign(v), by a spring k u and a dashpot c v, by
+    both, or by what it crushes."""
 
     physics: ClassVar[str] = "obstacle_motion"
     sentence: ClassVar[str] = "{place} is no rigid obstacle: it yields or moves"

@@ -56,7 +56,10 @@ class Saturation(Hypothesis):
 
 
 class MountingResonance(Hypothesis):
-    """recorded = true + share (q + 2 zeta q' / w - true), q'' + 2 zeta w q' + w^2 q = w^2 true, w = 2 pi frequency."""
+    """recorded = true + share (q + 2 zeta q' / w - true), q'' + 2 zeta w q' + w^2 q = w^2 true, w = 2 pi frequency.
+
+    That is of a mount; of a sensing element it is true + share (q - true).
+    """
 
     physics: ClassVar[str] = "mounting_resonance"
     sentence: ClassVar[str] = "{place} rings on its mounting"
@@ -66,16 +69,19 @@ class MountingResonance(Hypothesis):
         """Every sensor that can ring, at the frequencies at which its readings differ most from the motion."""
         errors = ["resonance_share", "resonance_frequency", "resonance_damping"]
         sensors = accused(model, recordings, errors)
-        return [self._ringing(model, one, ringing_frequencies(one, motion, recordings)) for one in sensors]
+        return [form for one in sensors for form in self._forms(model, one, ringing_frequencies(one, motion, recordings))]
 
-    def _ringing(self, model: Model, one: Accused, frequencies: Sequence[float]) -> Proposal:
+    def _forms(self, model: Model, one: Accused, frequencies: Sequence[float]) -> list[Proposal]:
         mount = {
             "resonance_share": Parameter(0.0, 0.0, 1.0),
             "resonance_frequency": Parameter(frequencies[0], 0.5 * LOWEST, 2.0 * HIGHEST),
             "resonance_damping": Parameter(0.05, 5e-3, 0.7),
         }
         starts = grid(resonance_frequency=frequencies)
-        return fault(self.physics, "oscillator", model, one, mount, "resonance_share", starts)
+        forms = {"oscillator": mount}
+        if "resonance_path" in one.null:
+            forms["element"] = mount | {"resonance_path": Parameter(0.0, fixed=True)}
+        return [fault(self.physics, form, model, one, own, "resonance_share", starts) for form, own in forms.items()]
 
 
 class Misalignment(Hypothesis):

@@ -402,6 +402,12 @@ def ringing(model):
     return with_error(model, "front_sensor", resonance_share=1.0, resonance_frequency=120.0, resonance_damping=0.03)
 
 
+def ringing_inside(model):
+    """Its sensing element rings, and not its mount."""
+    element = {"resonance_share": 1.0, "resonance_path": 0.0, "resonance_frequency": 70.0, "resonance_damping": 0.2}
+    return with_error(model, "front_sensor", **element)
+
+
 def rocking(model):
     """The rear pitches; the marker and the sensor are not equally high."""
     for instrument, sensor, share in (("accelerometer", "rear_sensor", 0.4), ("film", "rear_marker", -0.25)):
@@ -572,6 +578,10 @@ CASES = {
     ringing: (
         ("mounting_resonance", "oscillator", {"sensor": "front_sensor"}),
         {"resonance_frequency": 120.0, "resonance_damping": 0.03},
+    ),
+    ringing_inside: (
+        ("mounting_resonance", "element", {"sensor": "front_sensor"}),
+        {"resonance_share": 1.0, "resonance_frequency": 70.0, "resonance_damping": 0.2},
     ),
     rocking: (("rotation", "rocking", {"body": "rear"}), {"rocking_frequency": 9.0, "rocking_damping": 0.2}),
     pitching: (("rotation", "rocking", {"body": "rear"}), {}),
