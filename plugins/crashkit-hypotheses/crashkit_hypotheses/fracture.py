@@ -1,6 +1,6 @@
 """A joint loses part or all of its force for good."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 import xarray as xr
@@ -8,8 +8,16 @@ from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import Effect, grid, multiplied
-from crashkit_hypotheses.sizes import largest_deformation, largest_extension, largest_rate, pulls, sampling_interval
+from crashkit.registry import load
+from crashkit_hypotheses.build import Effect, added, grid, multiplied
+from crashkit_hypotheses.sizes import (
+    largest_deformation,
+    largest_extension,
+    largest_force,
+    largest_rate,
+    pulls,
+    sampling_interval,
+)
 
 LOSS = Parameter(0.0, 0.0, 1.0)
 SHARES = (0.02, 0.15, 0.35, 0.6, 0.8)
@@ -19,7 +27,8 @@ FIRST, STEPS = (0.1, 0.3, 0.5), (0.25, 0.4)
 
 
 class Fracture(Hypothesis):
-    """F = F_law (1 - loss) for good: beyond a compression, at once, over a length or in two steps, or beyond an extension.
+    """F = F_law (1 - loss) for good: beyond a compression, at once, over a length or in two steps, or beyond an extension; or
+    only the loading curve loses a force, and unloading is as steep as before.
 
     A member whose force rises as it is deformed breaks at a force where it breaks at a deformation; the two are one form.
     """
@@ -29,7 +38,7 @@ class Fracture(Hypothesis):
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """A loss at every joint that is compressed, a tear at every joint that pulls."""
-        sound = [joint for joint in model.joints if "loss" not in joint.parameters]
+        sound = [joint for joint in model.joints if joint.parameters.keys().isdisjoint(("loss", "lost_force"))]
         pressed = [joint for joint in sound if largest_deformation(motion, joint.name) > 0]
         pulled = [joint for joint in sound if pulls(motion, joint.name)]
         return [
@@ -40,7 +49,7 @@ class Fracture(Hypothesis):
     def _pressed(
         self, model: Model, joint: Joint, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]
     ) -> list[Proposal]:
-        reached = largest_deformation(motion, joint.name)
+        reached, force = largest_deformation(motion, joint.name), largest_force(motion, joint.name)
         # Within one sample a loss is a jump, of which the readings show no slope: the search would not see its way.
         shortest = 0.5 * sampling_interval(recordings) * largest_rate(motion, joint.name)
         softening = {
@@ -59,7 +68,22 @@ class Fracture(Hypothesis):
         once = multiplied(model, joint, Effect(self.physics, "compression", "softening", softening, "loss", starts))
         twice = multiplied(model, joint, Effect(self.physics, "in two steps", "stepwise_softening", stepwise, "loss", steps))
         nothing = {path: 0.0 for path in twice.parameters if path.endswith("loss")}
-        return [once, evolve(twice, null=nothing, refined=True)]
+        return [once, evolve(twice, null=nothing, refined=True), *self._of_its_curve(model, joint, softening, starts, force)]
+
+    def _of_its_curve(
+        self,
+        model: Model,
+        joint: Joint,
+        softening: Mapping[str, Parameter],
+        starts: Sequence[Mapping[str, float]],
+        largest: float,
+    ) -> list[Proposal]:
+        """What only its loading curve loses, where its law takes another curve in."""
+        if " " in joint.law or f"{joint.law} + lost_force" not in load().spring_laws:
+            return []
+        lost = {"lost_force": Parameter(0.0, 0.0, 2.0 * largest), **{n: p for n, p in softening.items() if n != "loss"}}
+        curve = added(model, joint, Effect(self.physics, "of its loading curve", "lost_force", lost, "lost_force", starts))
+        return [evolve(curve, refined=True)]
 
     def _tear(self, model: Model, joint: Joint, reached: float) -> Proposal:
         tear = {

@@ -117,6 +117,13 @@ def softened(model):
     return with_factor(model, "first", "softening", parameters)
 
 
+def weakened_curve(model):
+    """What the loading curve of the first joint loses; it unloads as steeply as before."""
+    first, own = model.joint("first"), fixed(lost_force=1e4, softening_deformation=0.3, softening_length=0.1)
+    torn = evolve(first, law=f"{first.law} + lost_force", parameters={**first.parameters, **own})
+    return evolve(model, joints=tuple(torn if joint.name == "first" else joint for joint in model.joints))
+
+
 def relaxing(model):
     element = fixed(relaxing_stiffness=1e5, relaxation_time=0.02, clearance=0.0, tension=0.0)
     return with_joint(model, Joint("memory", ("front", "rear"), "maxwell", element))
@@ -484,6 +491,10 @@ CASES = {
         ("fracture", "compression", {"joint": "first"}),
         {"loss": 0.5, "softening_deformation": 0.2, "softening_length": 0.25},
     ),
+    weakened_curve: (
+        ("fracture", "of its loading curve", {"joint": "first"}),
+        {"lost_force": 1e4, "softening_deformation": 0.3, "softening_length": 0.1},
+    ),
     relaxing: (("relaxation", "maxwell", {"joint": "second"}), {"relaxing_stiffness": 1e5, "relaxation_time": 0.02}),
     relaxing_twice: (
         ("relaxation", "two branches", {"joint": "second"}),
@@ -611,6 +622,7 @@ LATE = {
     clamping,
     clamped,
     rubbing_in_its_gap,
+    weakened_curve,
     repelling,
 }
 """What acts on the way back."""

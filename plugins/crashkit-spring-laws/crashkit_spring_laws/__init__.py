@@ -7,6 +7,7 @@ from crashkit_spring_laws.fracture import Brittle, Fracture, Tear
 from crashkit_spring_laws.friction import Coulomb, Dahl, Rubbing, RubbingGap
 from crashkit_spring_laws.gradual_loss import (
     Fading,
+    LostForce,
     PlasticShare,
     ResidualSet,
     SecondLine,
@@ -75,6 +76,7 @@ SPRING_LAWS = (
     Brittle,
     Tear,
     Softening,
+    LostForce,
     StepwiseSoftening,
     UnloadingLoss,
     ResidualSet,
@@ -107,6 +109,7 @@ __all__ = [
     "HuntCrossley",
     "LinearStop",
     "LockingStop",
+    "LostForce",
     "Maxwell",
     "MeasuredCurve",
     "Peak",

@@ -26,6 +26,30 @@ class Softening(SpringLaw):
         return 1.0 - loss * min(1.0, max(0.0, d_max - softening_deformation) / softening_length)
 
 
+class LostForce(SpringLaw):
+    """What a loading curve loses where it tears: F = -L min(1, max(0, d_max - softening_deformation) / softening_length).
+
+    Unlike `softening` it leaves the slope of unloading as it is. Beside a law that gives back nothing else, it is released
+    over `softening_length`.
+    """
+
+    name = "lost_force"
+    passive = False  # alone it pulls where it is deformed further
+    parameters = (
+        ParameterSpec("lost_force", "N", "force that is lost in the end (L)", lower=0.0, null=0.0),
+        ParameterSpec("softening_deformation", "m", "largest deformation that is borne whole", lower=0.0),
+        ParameterSpec("softening_length", "m", "further deformation over which it is lost", lower=1e-4),
+    )
+
+    @staticmethod
+    def force(
+        d: float, ddot: float, d_max: float, lost_force: float, softening_deformation: float, softening_length: float
+    ) -> float:
+        """The force, N, compression positive."""
+        torn = min(1.0, max(0.0, d_max - softening_deformation) / softening_length)
+        return -lost_force * max(0.0, torn - (d_max - d) / softening_length)
+
+
 class StepwiseSoftening(SpringLaw):
     """A member that tears open in two steps: 1 - loss r(d_max - e) - second_loss r(d_max - e - step_way).
 
