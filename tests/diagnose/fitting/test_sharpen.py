@@ -9,7 +9,7 @@ from crashkit.diagnose import diagnosis
 from crashkit.diagnose.fitting import sharpen
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.in_time import OutOfTimeError
-from crashkit.diagnose.fitting.sharpen import OutrunError, check_pace
+from crashkit.diagnose.fitting.sharpen import OutrunError, check_pace, check_rate
 from crashkit.diagnose.name.look import Round
 from crashkit.diagnose.name.rounds import Discovery
 from crashkit.protocols import Proposal
@@ -60,6 +60,24 @@ def test_a_claim_that_finer_recordings_explain_has_outrun_the_others(finer):
 def test_a_claim_goes_on(finer, left, then, physics, recorded):
     """Which leaves as much of finer recordings, is at the noise, is an estimate, or for which there are no finer ones."""
     check_pace(finer(then, recorded), GIVEN, claim(left, physics))
+
+
+@pytest.mark.parametrize(("finer", "kept", "is_outrun"), [(400, ("run",), True), (200, ("run",), False), (400, (), False)])
+def test_readings_that_need_more_samples_than_there_are_outrun_them(
+    workshop, model, misfit, recorded, monkeypatch, finer, kept, is_outrun
+):
+    """However much a claim leaves; where there are finer recordings."""
+    few, more = (recorded(model, accelerometer=lambda group, n=n: group.isel(time=slice(n))) for n in (200, finer))
+    search = sharpen.begin(workshop.identifier, misfit(model, run=few))
+    found = Rival(Proposal("mounting_resonance", "", {"sensor": "s"}, model, (), {}), search, 1000.0, 500.0)
+    monkeypatch.setattr(sharpen, "in_the_light_of", lambda *_: misfit(model, run=more))
+    there = evolve(workshop, recorded=kept)
+    if not is_outrun:
+        check_rate(there, search.misfit, found)
+        return
+    with pytest.raises(OutrunError, match="mounting_resonance") as caught:
+        check_rate(there, search.misfit, found)
+    assert caught.value.found.search.misfit.sample_count > search.misfit.sample_count
 
 
 @pytest.mark.parametrize("is_answered", [True, False])

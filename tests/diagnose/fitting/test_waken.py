@@ -3,7 +3,7 @@
 import pytest
 
 from crashkit.diagnose.fitting.search import begin
-from crashkit.diagnose.fitting.waken import wakened
+from crashkit.diagnose.fitting.waken import awake, wakened
 
 THRESHOLD = "joint.first.densification_deformation"
 
@@ -32,3 +32,13 @@ def test_a_threshold_that_is_never_reached_is_begun_again_where_it_is(workshop, 
 def test_a_fit_that_reaches_all_its_thresholds_stays(workshop, model, fit):
     here = fit(model.free_parameters()[THRESHOLD].value)
     assert wakened(workshop, here) is here
+
+
+def test_where_the_given_threshold_is_asleep_that_of_a_fit_is_taken(model, misfit, recorded, workshop):
+    true = model.free_parameters()[THRESHOLD].value
+    fitted = begin(workshop.identifier, misfit(model, slow=recorded(model, 0.9, 1), fast=recorded(model, 1.2, 2))).advance(20)
+    known = fitted.misfit.values(fitted.point)[THRESHOLD]
+    far, near = (fitted.misfit.with_values({THRESHOLD: factor * true}) for factor in (5.0, 1.1))
+    taken = [awake(workshop, given, fitted) for given in (far, near)]
+    thresholds = [one.values(one.start())[THRESHOLD] for one in taken]
+    assert thresholds == pytest.approx([known, 1.1 * true])

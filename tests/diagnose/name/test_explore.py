@@ -3,12 +3,14 @@
 from types import SimpleNamespace
 
 import pytest
+from attrs import evolve
 
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name import explore
 from crashkit.diagnose.name.discover import discover
 from crashkit.diagnose.name.explore import _is_confirmed, _is_wrong_beside_more, _suffices, discovered
+from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Round
 from crashkit.diagnose.name.rounds import Discovery
 from crashkit.model import Joint, Parameter
@@ -92,6 +94,22 @@ def test_an_instrument_is_put_right_first_where_much_more_is_left():
     assert not _is_wrong_beside_more(leaving(1.1, "gain_error", SENSOR))
     assert not _is_wrong_beside_more(leaving(3.0))
     assert not _is_wrong_beside_more(Round((), (), 1.0, None))
+
+
+@pytest.mark.parametrize("form", ["constant", "rising"])
+def test_the_form_of_a_reading_is_asked_for_beside_the_structure(monkeypatch, inquiry, offered, form):
+    """Alone it made do for what the structure lacks."""
+    look, base, final = offered(0.0)
+    told = Proposal("gain_error", "constant", SENSOR, None, ("gain",), {})
+    reading = Round((Rival(told, base, 100.0, 40.0), look.leader), (1.0, 0.0), 0.0, base.fitted())
+    monkeypatch.setattr(explore, "in_all_forms", lambda *_: [(evolve(told, form=form), final)])
+    monkeypatch.setattr(Inquiry, "fit_with", lambda inquiry, rivals, last: final)
+    beside = explore._told_beside(inquiry(base), reading, look.leader)
+    assert beside.leader.proposal.form == form
+    assert (beside is reading) == (form == "constant")
+    if form == "rising":
+        assert beside.leader.drop == pytest.approx(100.0 + base.deviance - final.deviance)
+        assert beside.rivals[1:] == reading.rivals[1:]
 
 
 @pytest.fixture

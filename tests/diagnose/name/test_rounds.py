@@ -109,6 +109,7 @@ def test_a_finding_that_is_questioned_stays_unless_it_explains_too_little(monkey
     nothing = Round((), (), 1.0, None, least=180.0)
     monkeypatch.setattr(questioned, "_was_asked", lambda look, without: False)
     monkeypatch.setattr(Inquiry, "fit_with", without)
+    monkeypatch.setattr(questioned, "wakened", lambda workshop, search: search)
     monkeypatch.setattr(questioned, "in_best_forms", lambda inquiry, looks, search: (looks, search))
     monkeypatch.setattr(questioned, "look_again", lambda *_: nothing)
     together = SimpleNamespace(deviance=1000.0, normalised=1.4)

@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 from attrs import evolve
 
+from crashkit.diagnose.show.answer import _seen_alike
 from crashkit.diagnose.show.experiment import Duel, experiment
 from crashkit.model import Body, Joint, Parameter
 from crashkit.model.edit import with_joint
@@ -92,3 +93,16 @@ def test_nothing_is_asked_for_where_nothing_moves(misfit, model, recorded):
     still = run["initial"].to_dataset(inherit=False)
     one = misfit(model, run=run.assign({"initial": xr.DataTree(still.assign(velocity=0.0 * still["velocity"]))}))
     assert experiment(one, one, "its twin", model.bodies) == ""
+
+
+@pytest.mark.parametrize("fuller", [0, 1])
+def test_rivals_that_were_fitted_to_other_instruments_are_compared_on_all_of_them(workshop, misfit, model, recorded, fuller):
+    """An accelerometer that was set aside for the one is believed for the other."""
+    whole = recorded(model)
+    seen = [{"run": whole.drop_nodes("accelerometer")}, {"run": whole.drop_nodes("accelerometer")}]
+    seen[fuller] = {"run": whole}
+    stiffer = model.with_values({"joint.first.densification_stiffness": 1.3e5})
+    best, rival = _seen_alike(workshop, misfit(model, **seen[0]), misfit(stiffer, **seen[1]))
+    assert {len(best.channels), len(rival.channels)} == {2}
+    assert (best.model, rival.model) == (model, stiffer)
+    assert experiment(best, rival, "bottoming at joint first", model.bodies).startswith("the same test at 12.0 m/s")
