@@ -1,5 +1,6 @@
 """A threshold that no run reaches where a search ends has no derivative there, and stays: begun again where it is reached."""
 
+import math
 from collections.abc import Iterator, Mapping
 
 import numpy as np
@@ -22,8 +23,10 @@ OF = {"m": "deformation", "N": "force"}
 def wakened(workshop: Workshop, search: Search) -> Search:
     """The fit, or a better one that reaches thresholds which it does not reach.
 
-    Densification behind all that a joint comes to, or a plateau above all that it bears, would be missed in any claim's light.
+    As densification behind all that a joint comes to, or a plateau above all that it bears: some claim would stand in for it.
     """
+    if not math.isfinite(search.state.cost):
+        return search
     starts = [search.fitted().with_values(lower) for lower in _lower(workshop, search)]
     begun = advance_all(begin_all(search.identifier, starts), FIRST_STEPS)
     ahead = [one for one in begun if one.state.cost < search.state.cost]
@@ -40,10 +43,10 @@ def awake(workshop: Workshop, given: Misfit, fitted: Search) -> Misfit:
     equations = residual_and_jacobian(workshop, given)
     asleep = set(_idle(given, equations[1])) if equations else set()
     try:
-        asleep |= set(_asleep(begin(fitted.identifier, given)))
+        asleep = asleep.union(_asleep(begin(fitted.identifier, given))).difference(_asleep(fitted))
     except SimulationError:
-        pass
-    return given.with_values({path: known[path] for path in asleep.difference(_asleep(fitted)) if path in places})
+        return given
+    return given.with_values({path: known[path] for path in asleep if path in places})
 
 
 def _lower(workshop: Workshop, search: Search) -> Iterator[dict[str, float]]:
