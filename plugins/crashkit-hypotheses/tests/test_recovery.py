@@ -108,6 +108,13 @@ def found(model, workshop, recorded):
     return find
 
 
+def with_law(model, more, **numbers):
+    """More in the law of the first joint."""
+    first = model.joint("first")
+    changed = evolve(first, law=f"{first.law} {more}", parameters={**first.parameters, **fixed(**numbers)})
+    return evolve(model, joints=tuple(changed if joint.name == "first" else joint for joint in model.joints))
+
+
 def broken(model):
     return with_factor(model, "second", "fracture", fixed(fracture_deformation=0.12, loss=0.6))
 
@@ -119,9 +126,7 @@ def softened(model):
 
 def weakened_curve(model):
     """What the loading curve of the first joint loses; it unloads as steeply as before."""
-    first, own = model.joint("first"), fixed(lost_force=1e4, softening_deformation=0.3, softening_length=0.1)
-    torn = evolve(first, law=f"{first.law} + lost_force", parameters={**first.parameters, **own})
-    return evolve(model, joints=tuple(torn if joint.name == "first" else joint for joint in model.joints))
+    return with_law(model, "+ lost_force", lost_force=1e4, softening_deformation=0.3, softening_length=0.1)
 
 
 def relaxing(model):
@@ -138,10 +143,7 @@ def relaxing_twice(model):
 
 
 def quasi_linear(model):
-    first, own = model.joint("first"), fixed(fresh_share=0.4, relaxation_time=0.03, holds=0.0)
-    changed = evolve(first, law=f"{first.law} ~ quasi_linear", parameters={**first.parameters, **own})
-    joints = [changed if joint.name == "first" else joint for joint in model.joints]
-    return evolve(model, joints=tuple(joints))
+    return with_law(model, "~ quasi_linear", fresh_share=0.4, relaxation_time=0.03, holds=0.0)
 
 
 def staying_crushed(model):
@@ -152,9 +154,7 @@ def staying_crushed(model):
 
 def partly_crushed(model):
     """Of the first joint three tenths stay crushed."""
-    first, own = model.joint("first"), fixed(plastic_share=0.3, unloading_stiffness=1e6)
-    changed = evolve(first, law=f"{first.law} % plastic_share", parameters={**first.parameters, **own})
-    return evolve(model, joints=tuple(changed if joint.name == "first" else joint for joint in model.joints))
+    return with_law(model, "% plastic_share", plastic_share=0.3, unloading_stiffness=1e6)
 
 
 def fading(model):
@@ -167,16 +167,12 @@ def engaging_softly(model):
 
 def padded(model):
     """A pad in the gap of the first joint."""
-    first, own = model.joint("first"), fixed(clearance=0.08, pad_force=2e4, pad_exponent=2.0)
-    law = evolve(first, law=f"{first.law} | pad", parameters={**first.parameters, **own})
-    return evolve(model, joints=tuple(law if joint.name == "first" else joint for joint in model.joints))
+    return with_law(model, "| pad", clearance=0.08, pad_force=2e4, pad_exponent=2.0)
 
 
 def rubbing_in_its_gap(model):
     """Something rubs in the gap of the first joint."""
-    first, own = model.joint("first"), fixed(clearance=0.08, friction_force=4e3, slip_rate=0.05)
-    law = evolve(first, law=f"{first.law} | rubbing_gap", parameters={**first.parameters, **own})
-    return evolve(model, joints=tuple(law if joint.name == "first" else joint for joint in model.joints))
+    return with_law(model, "| rubbing_gap", clearance=0.08, friction_force=4e3, slip_rate=0.05)
 
 
 def limited(model):
@@ -186,41 +182,26 @@ def limited(model):
 
 
 def buckling(model):
-    first = model.joints[0]
-    peak = fixed(peak_force=2e4, peak_deformation=0.1, peak_sharpness=20.0)
-    pointed = evolve(first, law="crush_plateau + peak", parameters={**first.parameters, **peak})
-    return evolve(model, joints=(pointed, *model.joints[1:]))
+    return with_law(model, "+ peak", peak_force=2e4, peak_deformation=0.1, peak_sharpness=20.0)
 
 
 def buckling_suddenly(model):
-    first = model.joints[0]
-    peak = fixed(peak_force=6e4, peak_deformation=0.15, peak_width=0.12)
-    pointed = evolve(first, law="crush_plateau + pointed_peak", parameters={**first.parameters, **peak})
-    return evolve(model, joints=(pointed, *model.joints[1:]))
+    return with_law(model, "+ pointed_peak", peak_force=6e4, peak_deformation=0.15, peak_width=0.12)
 
 
 def buckling_slowly(model):
     """It rises for longer than it falls."""
-    first = model.joints[0]
-    peak = fixed(peak_force=6e4, peak_deformation=0.25, peak_width=0.08, peak_rise=0.2)
-    uneven = evolve(first, law="crush_plateau + pointed_peak", parameters={**first.parameters, **peak})
-    return evolve(model, joints=(uneven, *model.joints[1:]))
+    return with_law(model, "+ pointed_peak", peak_force=6e4, peak_deformation=0.25, peak_width=0.08, peak_rise=0.2)
 
 
 def buckling_for_long(model):
     """Its peak is lost little by little."""
-    first = model.joints[0]
-    peak = fixed(peak_force=4e4, peak_deformation=0.25, peak_width=0.15, peak_rise=0.05)
-    decaying = evolve(first, law="crush_plateau + decaying_peak", parameters={**first.parameters, **peak})
-    return evolve(model, joints=(decaying, *model.joints[1:]))
+    return with_law(model, "+ decaying_peak", peak_force=4e4, peak_deformation=0.25, peak_width=0.15, peak_rise=0.05)
 
 
 def buckling_deeply(model):
     """Behind its peak it carries less than its plateau for a while."""
-    first = model.joints[0]
-    peak = fixed(peak_force=4e4, peak_deformation=0.15, peak_width=0.08, dip=0.5, recovery=0.25)
-    dipping = evolve(first, law="crush_plateau + dipping_peak", parameters={**first.parameters, **peak})
-    return evolve(model, joints=(dipping, *model.joints[1:]))
+    return with_law(model, "+ dipping_peak", peak_force=4e4, peak_deformation=0.15, peak_width=0.08, dip=0.5, recovery=0.25)
 
 
 def stopped(model):
@@ -256,10 +237,7 @@ def bristling(model):
 
 def folding(model, **shape):
     """Some five folds from the elastic limit on."""
-    first = model.joints[0]
-    folds = fixed(amplitude=8e3, fold_length=0.3, onset=0.2, **shape)
-    folded = evolve(first, law="crush_plateau + folding", parameters={**first.parameters, **folds})
-    return evolve(model, joints=(folded, *model.joints[1:]))
+    return with_law(model, "+ folding", amplitude=8e3, fold_length=0.3, onset=0.2, **shape)
 
 
 def skewed(model):
@@ -652,9 +630,7 @@ def test_how_far_a_sensor_leans_is_found_but_not_to_which_side(found, model):
 
 def crushed_twice(model):
     """The first joint unloads along two lines."""
-    first, own = model.joint("first"), fixed(unloading_stiffness=3e6, turning_share=0.5, slope_ratio=0.2)
-    changed = evolve(first, law=f"{first.law} / second_line", parameters={**first.parameters, **own})
-    return evolve(model, joints=tuple(changed if joint.name == "first" else joint for joint in model.joints))
+    return with_law(model, "/ second_line", unloading_stiffness=3e6, turning_share=0.5, slope_ratio=0.2)
 
 
 CRUSHED = {

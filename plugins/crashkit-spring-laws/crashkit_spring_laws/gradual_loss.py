@@ -29,8 +29,8 @@ class Softening(SpringLaw):
 class LostForce(SpringLaw):
     """What a loading curve loses where it tears: F = -L min(1, max(0, d_max - softening_deformation) / softening_length).
 
-    Unlike `softening` it leaves the slope of unloading as it is. Beside a law that gives back nothing else, it is released
-    over `softening_length`.
+    In the curve of another law, `a + lost_force`, it leaves the slope of unloading as it is, which `softening` does not. In a
+    joint of its own it is let go over `softening_length` of the way back.
     """
 
     name = "lost_force"
