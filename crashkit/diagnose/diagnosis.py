@@ -16,7 +16,7 @@ from crashkit.diagnose.fitting.reidentify import refine, reidentify
 from crashkit.diagnose.fitting.search import STEPS, Search, begin
 from crashkit.diagnose.fitting.sharpen import ROUGHLY, OutrunError, in_the_light_of, sharpened, weighed_alike
 from crashkit.diagnose.fitting.thinning import thinned_by
-from crashkit.diagnose.fitting.waken import awake
+from crashkit.diagnose.fitting.waken import awake, wakened
 from crashkit.diagnose.name.discover import discover
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Round
@@ -138,7 +138,7 @@ def _contradicted(
     if normalised(final) > UNEXPLAINED or normalised(unseen) < UNEXPLAINED:
         return False
     both = in_the_light_of(workshop, model, {**recordings, **holdout}, final)
-    together = refine(workshop.identifier, workshop.misfit(both, final.model))
+    together = wakened(workshop, refine(workshop.identifier, workshop.misfit(both, final.model)))
     return normalised(together.fitted()) > UNEXPLAINED if discovery.rounds else not is_at_noise(together)
 
 

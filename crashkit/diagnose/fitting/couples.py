@@ -32,6 +32,12 @@ class Couple:
     second: Proposal
     search: Search
 
+    @property
+    def cost(self) -> float:
+        """Half a chi squared with the price of all numbers."""
+        samples = self.search.misfit.independent_samples
+        return float(self.search.state.cost) + 0.5 * (price_of(self.first, samples) + price_of(self.second, samples))
+
 
 @frozen(eq=False)
 class Led:
@@ -179,13 +185,7 @@ def _simulated(workshop: Workshop, begun: Sequence[_Begun], progress: Progress) 
     searches = simulated(workshop.identifier, starts, [True] * len(starts), lambda share: progress(doing, share))
     couples = [Couple(one.first, one.second, search) for one, search in zip(ahead, searches, strict=True)]
     for size, steps in HEATS:
-        couples = sorted(couples, key=_cost)
+        couples = sorted(couples, key=lambda couple: couple.cost)
         searches = advance_all([couple.search for couple in couples[:size]], steps)
         couples[:size] = [evolve(couple, search=search) for couple, search in zip(couples, searches, strict=False)]
-    return sorted(couples, key=_cost)
-
-
-def _cost(couple: Couple) -> float:
-    """Half a chi squared with the price of all numbers."""
-    samples = couple.search.misfit.independent_samples
-    return couple.search.state.cost + 0.5 * (price_of(couple.first, samples) + price_of(couple.second, samples))
+    return sorted(couples, key=lambda couple: couple.cost)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from crashkit.campaign import spread
+from crashkit.diagnose.fitting.eased import eased
 from crashkit.diagnose.fitting.evidence import explains
 from crashkit.diagnose.fitting.growing import grown
 from crashkit.diagnose.fitting.regress import regression
@@ -46,7 +47,7 @@ def understood(workshop: Workshop, misfit: Misfit) -> Search:
     starts = [misfit] if end is None else [misfit, misfit.with_values(end[0])]
     ends = spread(partial(grown, workshop.identifier), starts)
     best = _fitted(workshop, misfit, [*ends, *([] if end is None else [end[0]])])
-    return best if explains(best) else wakened(workshop, best)
+    return best if explains(best) else eased(wakened(workshop, best), misfit)
 
 
 def _fitted(workshop: Workshop, misfit: Misfit, ends: Sequence[Mapping[str, float]]) -> Search:

@@ -16,9 +16,10 @@ from crashkit.diagnose.fitting.evidence import (
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Round, between, look_again
-from crashkit.diagnose.name.rivals import again
-from crashkit.diagnose.name.rounds import Discovery, followed
+from crashkit.diagnose.name.look import Round, between, led, look_again
+from crashkit.diagnose.name.rivals import CONCEALED, again
+from crashkit.diagnose.name.rounds import Discovery, followed, is_estimated
+from crashkit.diagnose.result import place_of
 
 MOST = 3
 """How many rivals are tried, the contradicted one among them: its other forms may explain more."""
@@ -60,21 +61,48 @@ def _with_all_runs(inquiry: Inquiry, look: Round, claims: Sequence[Rival], searc
 
 def _second_best(inquiry: Inquiry, rivals: Sequence[Rival]) -> Discovery | None:
     """The most evident of the named rivals in its best form, if it explains everything and nothing convinces beside it."""
+    ranked = _ranked(inquiry, rivals)
+    if not ranked or not explains(ranked[0].search):
+        return None
+    look = look_again(inquiry, ranked[0].search.fitted(), ranked[:1])
+    found, _ = followed(inquiry, [_told(inquiry, ranked)], look)
+    return found if len(found.rounds) == 1 else None
+
+
+def named_nevertheless(inquiry: Inquiry, looks: Sequence[Round], found: Discovery) -> Discovery:
+    """What was found in all runs; or, where that is an estimate at the place of what explains all but one of them, that, if it
+    leaves little of all.
+
+    A form that is off by that much is told better with its name than as a table.
+    """
+    if len(looks) != 1 or not is_estimated(found.rounds):
+        return found
+    first, estimate = looks[0].leader, found.rounds[-1].leader
+    if is_unknown(first) or place_of(first.proposal.location) != place_of(estimate.proposal.location):
+        return found
+    ranked = _ranked(inquiry, [first])
+    if not ranked or ranked[0].search.normalised > CONCEALED:
+        return found
+    told = ranked[0].search
+    return Discovery(inquiry.base.fitted(), told.fitted(), told, (led(_told(inquiry, [*ranked, estimate])),))
+
+
+def _ranked(inquiry: Inquiry, rivals: Sequence[Rival]) -> list[Rival]:
+    """The named ones among these, re-identified with all runs, the most evident in its best form; it comes first."""
     known = [rival for rival in rivals if not is_unknown(rival)][:MOST]
     fitted = [one for rival in known for one in _fitted(inquiry, rival)]
     if not fitted:
-        return None
+        return []
     leader = max(fitted, key=lambda rival: rival.evidence)
     forms = in_all_forms(inquiry, leader, [], leader.search)
     everything = [*fitted, *ranked_by_evidence(forms, inquiry.base.deviance)]
-    ranked = best_forms(sorted(everything, key=lambda rival: -rival.evidence))
-    if not explains(ranked[0].search):
-        return None
+    return best_forms(sorted(everything, key=lambda rival: -rival.evidence))
+
+
+def _told(inquiry: Inquiry, ranked: Sequence[Rival]) -> Round:
+    """The look that these are the only rivals of."""
     chances, nothing = probabilities(ranked, len(ranked))
-    first = Round(tuple(ranked), tuple(chances.tolist()), nothing, inquiry.base.fitted())
-    look = look_again(inquiry, ranked[0].search.fitted(), ranked[:1])
-    found, _ = followed(inquiry, [first], look)
-    return found if len(found.rounds) == 1 else None
+    return Round(tuple(ranked), tuple(chances.tolist()), nothing, inquiry.base.fitted())
 
 
 def _fitted(inquiry: Inquiry, rival: Rival) -> list[Rival]:

@@ -12,7 +12,7 @@ from crashkit.diagnose.fitting.reidentify import reidentify
 from crashkit.diagnose.fitting.search import STEPS, begin
 from crashkit.diagnose.locate.aside import CLOCK, Suspect, late_clocks, on_time, suspects, without
 from crashkit.diagnose.locate.consistency import by_run, check_instruments
-from crashkit.diagnose.name.asked_first import asked_first
+from crashkit.diagnose.name.asked_first import asked_first, named_nevertheless
 from crashkit.diagnose.name.explore import beside_reading, discovered
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
@@ -48,7 +48,8 @@ def _found(inquiry: Inquiry, looks: Sequence[Round]) -> Discovery:
         found = _with_clock(inquiry, late)
     elif set_aside := suspects(inquiry.given, checks):
         found = _beside(inquiry, set_aside)
-    return found or discovered(inquiry)
+    found = found or discovered(inquiry)
+    return in_time(found, named_nevertheless, inquiry, looks, found)
 
 
 def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | None:

@@ -26,8 +26,9 @@ from crashkit.diagnose.name.look import FORM_ERRORS, Round, between, is_of_readi
 from crashkit.diagnose.name.needed import price
 from crashkit.diagnose.name.pairs import both, named_before_unknown
 from crashkit.diagnose.name.rivals import CONCEALED, may_conceal
-from crashkit.diagnose.name.rounds import NEEDED, TIE, Discovery, followed, is_estimated, reconsidered
+from crashkit.diagnose.name.rounds import NEEDED, TIE, TRACE, Discovery, followed, is_estimated, reconsidered
 from crashkit.diagnose.name.settle import settled
+from crashkit.diagnose.name.simpler import in_fewer_numbers
 from crashkit.diagnose.result import UNKNOWN, place_of
 
 HALF = 0.5
@@ -49,12 +50,17 @@ def discovered(inquiry: Inquiry, near: Round | None = None) -> Discovery:
     Arguments:
         near: the look from there, if it was made already.
     """
+    told = _discovered(inquiry, near)
+    return in_time(told, in_fewer_numbers, inquiry, told)
+
+
+def _discovered(inquiry: Inquiry, near: Round | None) -> Discovery:
     base = inquiry.base
     near = near or _near(inquiry)
     if base.normalised > CONCEALED:
         better = alone_again(base, [rival.search.fitted() for rival in near.rivals[:LED]])
         if better.excess < HALF * base.excess:
-            return in_time(_won(base, near), discovered, evolve(inquiry, base=better))
+            return in_time(_won(base, near), _discovered, evolve(inquiry, base=better), None)
     if _is_wrong_beside_more(near):
         check_rate(inquiry.workshop, inquiry.given, near.leader)
         return beside_reading(inquiry, near)
@@ -131,6 +137,7 @@ def _suffices(found: Discovery, base: Search) -> bool:
         is_little = search.normalised < FLOOR and search.excess < FORM_ERRORS[0] * base.excess
         return explains(search) or (is_little and is_sound(search))
     is_little = search.normalised < UNEXPLAINED and search.excess < FORM_ERRORS[1] * base.excess
+    is_little = is_little or search.excess < TRACE * base.excess
     is_all = found.last is not None and len(found.rounds) == 2 and not is_estimated(found.rounds)
     return is_all and is_little and search.misfit.departure(search.point) < STRAINED
 
@@ -189,10 +196,17 @@ def _nearby(inquiry: Inquiry, near: Round) -> tuple[Round, Discovery | None]:
         check_pace(inquiry.workshop, inquiry.given, winner)
     first = first if is_unknown(near.leader) else near
     look = look_again(inquiry, search.fitted(), [winner], quick=search.normalised > CONCEALED)
-    if search.normalised > CONCEALED and not _completes(look):
+    if search.normalised > CONCEALED and not (_completes(look) or _is_most(search, inquiry.base, look)):
         return near, None
     found, _ = followed(inquiry, [first], look)
     return near, found
+
+
+def _is_most(search: Search, base: Search, look: Round) -> bool:
+    """Whether a claim leaves next to nothing of what was left, of which a known one explains half."""
+    winner = look.winner
+    is_followed = winner is not None and not is_unknown(winner) and winner.search.excess < HALF * search.excess
+    return is_followed and search.excess < FORM_ERRORS[1] * base.excess
 
 
 def _completes(look: Round) -> bool:

@@ -8,7 +8,8 @@ from attrs import evolve
 
 from crashkit.campaign import spread
 from crashkit.diagnose.fitting.contest import Entrant, Start, first_of_each, identity, priced, propose_all
-from crashkit.diagnose.fitting.evidence import Rival, explains, is_unknown, ranked_by_evidence
+from crashkit.diagnose.fitting.eased import eased
+from crashkit.diagnose.fitting.evidence import Rival, explains, is_unknown, ranked_by_evidence, rival_of
 from crashkit.diagnose.fitting.search import Search, advance_all, begin, begin_all, weighed
 from crashkit.diagnose.name.alike import most_alike
 from crashkit.diagnose.name.inquiry import Inquiry
@@ -39,12 +40,19 @@ def in_best_forms(
         if is_unknown(look.leader) or (explains(search) and not thorough):
             continue
         others = [other.leader for other in looks if other is not look]
-        forms = in_all_forms(inquiry, look.leader, others, search)
-        best = next(iter(ranked_by_evidence(forms, search.deviance + look.leader.drop)), look.leader)
+        without = search.deviance + look.leader.drop
+        forms = [*in_all_forms(inquiry, look.leader, others, search), (look.leader.proposal, search)]
+        best = _eased(inquiry, ranked_by_evidence(forms, without)[0], without)
         if best.evidence > look.leader.evidence:
             seen = _as_seen(inquiry.workshop, look, best)
             looks[index], search = evolve(look, rivals=(seen, *look.rivals[1:])), best.search
     return looks, search
+
+
+def _eased(inquiry: Inquiry, rival: Rival, without: float) -> Rival:
+    """The rival, or, where it leaves something, from where the numbers of some joint are as they were given."""
+    search = rival.search if explains(rival.search) else eased(rival.search, inquiry.given)
+    return rival if search is rival.search else rival_of(rival.proposal, search, without)
 
 
 def _as_seen(workshop: Workshop, look: Round, rival: Rival) -> Rival:

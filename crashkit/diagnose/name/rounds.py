@@ -24,6 +24,8 @@ MOST_FINDINGS = 3
 HALF = 0.5
 """Of what is left above the noise: a claim that leaves more has hardly found its form. And of what one more finding explains:
 where those before it do that as well, it is none."""
+TRACE = 0.003
+"""Of what is left above the noise without a finding, or without any: no form of what is gross is quite right."""
 NEEDED = 100.0
 """Chi squared that the loss of a finding must cost for it to be plainly needed."""
 TIE = 10.0
@@ -145,7 +147,8 @@ def reconsidered(inquiry: Inquiry, rounds: list[Round], search: Search) -> tuple
         if without is None:
             continue
         rest, without = in_best_forms(inquiry, rest, without)
-        is_needed = search.normalised < FLOOR and without.deviance > search.deviance + NEEDED
+        is_all = search.normalised < FLOOR or search.excess < TRACE * without.excess
+        is_needed = is_all and without.deviance > search.deviance + NEEDED
         if is_needed or _was_asked(looks[place], without):
             continue
         look = look_again(inquiry, without.fitted(), [one.leader for one in rest])

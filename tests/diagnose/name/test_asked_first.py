@@ -1,16 +1,21 @@
 """Where a further run contradicts an answer, the one of its rivals that explains all runs is told."""
 
+from types import SimpleNamespace
+
 import pytest
 from attrs import evolve
 
 from crashkit.diagnose.fitting.contest import propose_all
-from crashkit.diagnose.fitting.evidence import rival_of
+from crashkit.diagnose.fitting.evidence import Rival, rival_of
 from crashkit.diagnose.fitting.search import begin
-from crashkit.diagnose.name.asked_first import asked_first
+from crashkit.diagnose.name import asked_first as asking
+from crashkit.diagnose.name.asked_first import asked_first, named_nevertheless
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.look import Round
+from crashkit.diagnose.name.rounds import Discovery
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_joint
+from crashkit.protocols import Proposal
 
 
 @pytest.fixture
@@ -93,3 +98,23 @@ def test_two_findings_are_told_in_the_forms_that_all_runs_ask_for(refound, inqui
 
 def test_where_no_form_of_them_explains_all_runs_everything_must_be_asked(refound):
     assert refound(("gain_error", "constant"), ("clearance", "gap")) is None
+
+
+@pytest.mark.parametrize(
+    ("joint", "left", "told"),
+    [("first", 1.2, "progressive_folding"), ("first", 1.5, "unknown"), ("second", 1.2, "unknown")],
+)
+def test_a_name_that_all_runs_but_one_gave_stays_before_an_estimate_at_its_place(monkeypatch, inquiry, joint, left, told):
+    """If it leaves little of all runs."""
+
+    def claimed(physics, normalised):
+        search = SimpleNamespace(normalised=normalised, fitted=lambda: None)
+        place = {"joint": joint if physics == "unknown" else "first"}
+        return Rival(Proposal(physics, "", place, None, (), {}), search, 9000.0, 4500.0)
+
+    estimate, named = claimed("unknown", 1.0), claimed("progressive_folding", left)
+    monkeypatch.setattr(asking, "_ranked", lambda inquiry, rivals: [named])
+    looks = [Round((claimed("progressive_folding", 1.0),), (1.0,), 0.0, None)]
+    found = Discovery(None, None, estimate.search, (Round((estimate,), (1.0,), 0.0, None),))
+    base = SimpleNamespace(misfit=None, fitted=lambda: None)
+    assert named_nevertheless(inquiry(base, given=True), looks, found).rounds[0].leader.proposal.physics == told

@@ -9,7 +9,7 @@ from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name import explore
 from crashkit.diagnose.name.discover import discover
-from crashkit.diagnose.name.explore import _is_confirmed, _is_wrong_beside_more, _suffices, discovered
+from crashkit.diagnose.name.explore import _is_confirmed, _is_most, _is_wrong_beside_more, _suffices, discovered
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Round
 from crashkit.diagnose.name.rounds import Discovery
@@ -56,6 +56,24 @@ def test_two_causes_are_enough_if_they_leave_next_to_nothing_and_no_third_convin
     assert _suffices(found(left, physics, last), leaving(9.0).leader.search) is suffices
 
 
+@pytest.mark.parametrize(("given", "suffices"), [(40.0, True), (20.0, False)])
+def test_two_causes_may_leave_a_trace_of_what_is_gross(given, suffices):
+    assert _suffices(found(1.7, ("fracture", "tension")), leaving(given).leader.search) is suffices
+
+
+def test_a_claim_that_leaves_next_to_nothing_of_what_is_gross_is_followed():
+    """To a known one that explains half of what it leaves."""
+
+    def is_most(left, base, then, physics="tension"):
+        search, before = leaving(left).leader.search, leaving(base).leader.search
+        return _is_most(search, before, leaving(then, physics))
+
+    assert is_most(2.8, 33.0, 1.6)
+    assert not is_most(2.8, 10.0, 1.6)
+    assert not is_most(2.8, 33.0, 2.6)
+    assert not is_most(2.8, 33.0, 1.6, "unknown")
+
+
 def test_what_everything_in_sight_only_confirms_is_told():
     """By the same winner that leaves hardly less."""
     assert _is_confirmed(found(1.12), leaving(1.11))
@@ -83,6 +101,7 @@ def test_everything_is_asked_again_from_where_the_model_alone_leaves_half_as_muc
     monkeypatch.setattr(explore, "_widely", lambda inquiry, *others: inquiry.base)
     monkeypatch.setattr(explore, "linked_instead", lambda inquiry, found: found)
     monkeypatch.setattr(explore, "_where_it_acts", lambda inquiry, found: found)
+    monkeypatch.setattr(explore, "in_fewer_numbers", lambda inquiry, found: found)
     found = explore.discovered(inquiry(alone[0], given=alone[0]))
     assert looked == leaves[:asked]
     assert found is alone[asked - 1]

@@ -104,7 +104,7 @@ def test_a_finding_that_is_questioned_stays_unless_it_explains_too_little(monkey
 
     def without(inquiry, rivals, last):
         deviance = alone if [rival.proposal.physics for rival in rivals] == ["bias"] else 9000.0
-        return SimpleNamespace(deviance=deviance, normalised=1.5, fitted=lambda: None)
+        return SimpleNamespace(deviance=deviance, normalised=1.5, excess=1.25, fitted=lambda: None)
 
     nothing = Round((), (), 1.0, None, least=180.0)
     monkeypatch.setattr(questioned, "_was_asked", lambda look, without: False)
@@ -112,9 +112,25 @@ def test_a_finding_that_is_questioned_stays_unless_it_explains_too_little(monkey
     monkeypatch.setattr(questioned, "wakened", lambda workshop, search: search)
     monkeypatch.setattr(questioned, "in_best_forms", lambda inquiry, looks, search: (looks, search))
     monkeypatch.setattr(questioned, "look_again", lambda *_: nothing)
-    together = SimpleNamespace(deviance=1000.0, normalised=1.4)
+    together = SimpleNamespace(deviance=1000.0, normalised=1.4, excess=0.96)
     kept, _ = reconsidered(inquiry(None), [one("fracture"), one("bias")], together)
     assert [look.leader.proposal.physics for look in kept] == left
+
+
+@pytest.mark.parametrize(("left", "is_asked"), [(100.0, True), (1000.0, False)])
+def test_what_all_but_next_to_nothing_hangs_on_is_not_questioned(monkeypatch, inquiry, left, is_asked):
+    """Above the noise, too: of what is gross every form leaves something."""
+    asked = []
+    without = SimpleNamespace(deviance=9000.0, normalised=left**0.5, excess=left, fitted=lambda: None)
+    monkeypatch.setattr(questioned, "_spared", lambda *_: without)
+    monkeypatch.setattr(questioned, "_was_asked", lambda look, without: False)
+    monkeypatch.setattr(questioned, "in_best_forms", lambda inquiry, looks, search: (looks, search))
+    monkeypatch.setattr(questioned, "look_again", lambda *_: asked.append(left) or Round((), (), 1.0, None, least=180.0))
+    finding = Rival(Proposal("fracture", "", {"joint": "rails"}, None, (), {}), None, 8000.0, 4000.0)
+    together = SimpleNamespace(deviance=1000.0, normalised=2.0**0.5, excess=1.0)
+    kept, _ = reconsidered(inquiry(None), [Round((finding,), (1.0,), 0.0, None)], together)
+    assert len(kept) == 1
+    assert bool(asked) is is_asked
 
 
 def test_what_the_findings_explain_from_where_one_more_has_moved_them_is_not_one_more(workshop, offered):

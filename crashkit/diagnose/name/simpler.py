@@ -1,0 +1,63 @@
+"""Two causes of one number each in the place of one of many: a law with many numbers imitates them."""
+
+from attrs import evolve
+
+from crashkit.diagnose.fitting.contest import heats, is_same
+from crashkit.diagnose.fitting.couples import Couple
+from crashkit.diagnose.fitting.evidence import Rival, is_unknown, price_of
+from crashkit.diagnose.fitting.search import begin_all
+from crashkit.diagnose.name.forms import with_form
+from crashkit.diagnose.name.inquiry import Inquiry
+from crashkit.diagnose.name.look import Round, is_of_readings, open_claims
+from crashkit.diagnose.name.pairs import both
+from crashkit.diagnose.name.rounds import TIE, Discovery
+
+MANY = 4
+"""Numbers of a law that two claims of one number may stand behind."""
+LEADERS = 4
+"""How many of the claims of one number each may be first."""
+HEATS = ((24, 6), (6, 10), (2, 40))
+"""How many couples enter each, and how many steps each gets there."""
+
+
+def in_fewer_numbers(inquiry: Inquiry, found: Discovery) -> Discovery:
+    """What was found; or two causes of one number each, if they are more evident than the one of many that was found.
+
+    Alone each of them may leave far more than that, so that neither is followed.
+    """
+    if len(found.rounds) != 1 or is_unknown(found.rounds[0].leader):
+        return found
+    look = found.rounds[0]
+    if len(look.leader.proposal.parameters) < MANY:
+        return found
+    couple = _best_couple(inquiry, look)
+    if couple is None or couple.cost > _cost_of(look.leader) - 0.5 * TIE:
+        return found
+    two = both(inquiry, evolve(look, couples=(couple,)))
+    if two is None or two[0].winner is None:
+        return found
+    search = two[1].leader.search
+    return evolve(found, final=search.fitted(), search=search, rounds=two)
+
+
+def _best_couple(inquiry: Inquiry, look: Round) -> Couple | None:
+    """The couple of the look's rivals of one number that leaves least; None if there is none."""
+    plain = [rival for rival in look.rivals if len(rival.proposal.parameters) == 1 and not is_of_readings(rival.proposal)]
+    couples = [couple for first in plain[:LEADERS] for couple in _beside(inquiry, first, plain)]
+    return min(couples, key=lambda couple: couple.cost, default=None)
+
+
+def _beside(inquiry: Inquiry, first: Rival, plain: list[Rival]) -> list[Couple]:
+    """The fits of all the others beside the first."""
+    alone = first.search.fitted()
+    open_ = [p for p in open_claims(inquiry, alone, [first]) if any(is_same(p, rival.proposal) for rival in plain)]
+    workshop = inquiry.workshop.equipped([claim.model for claim in open_])
+    begun = [(claim, with_form(workshop, alone, claim, start)) for claim in open_ for start in claim.starts]
+    searches = begin_all(workshop.identifier, [misfit for _, misfit in begun])
+    fitted = heats(list(zip((claim for claim, _ in begun), searches, strict=True)), HEATS, inquiry.progress)
+    return [Couple(first.proposal, claim, search) for claim, search in fitted]
+
+
+def _cost_of(rival: Rival) -> float:
+    """The same of a single claim."""
+    return float(rival.search.state.cost) + 0.5 * price_of(rival.proposal, rival.search.misfit.independent_samples)
