@@ -26,7 +26,7 @@ from crashkit.diagnose.name.look import FORM_ERRORS, Round, between, is_of_readi
 from crashkit.diagnose.name.needed import price
 from crashkit.diagnose.name.pairs import both, named_before_unknown
 from crashkit.diagnose.name.rivals import CONCEALED, may_conceal
-from crashkit.diagnose.name.rounds import NEEDED, TIE, TRACE, Discovery, followed, is_estimated, reconsidered
+from crashkit.diagnose.name.rounds import NEEDED, TIE, Discovery, followed, is_estimated, is_gross, reconsidered
 from crashkit.diagnose.name.settle import settled
 from crashkit.diagnose.name.simpler import in_fewer_numbers
 from crashkit.diagnose.result import UNKNOWN, place_of
@@ -137,9 +137,10 @@ def _suffices(found: Discovery, base: Search) -> bool:
         is_little = search.normalised < FLOOR and search.excess < FORM_ERRORS[0] * base.excess
         return explains(search) or (is_little and is_sound(search))
     is_little = search.normalised < UNEXPLAINED and search.excess < FORM_ERRORS[1] * base.excess
-    is_little = is_little or search.excess < TRACE * base.excess
     is_all = found.last is not None and len(found.rounds) == 2 and not is_estimated(found.rounds)
-    return is_all and is_little and search.misfit.departure(search.point) < STRAINED
+    return (is_gross(found.rounds, search, base) or (is_all and is_little)) and search.misfit.departure(
+        search.point
+    ) < STRAINED
 
 
 def _cheaper(near: Discovery, wide: Discovery) -> Discovery:

@@ -56,10 +56,10 @@ class Discovery:
 def followed(inquiry: Inquiry, begun: Sequence[Round], look: Round) -> tuple[Discovery, Round]:
     """What is found from a beginning on, and the last look."""
     rounds, search = list(begun), begun[-1].leader.search if begun else inquiry.base
-    while look.winner is not None and not _corrects(look.winner, rounds):
+    while look.winner is not None and not _corrects(look.winner, rounds) and not _is_remainder(look.winner, rounds, search):
         freed = _freed(rounds, search, look.winner)
         rounds, search = freed or _one_more(inquiry, rounds, look, look.winner)
-        if len(rounds) == MOST_FINDINGS or is_estimated(rounds):
+        if len(rounds) == MOST_FINDINGS or is_estimated(rounds) or is_gross(rounds, search, inquiry.base):
             break
         further = in_time(None, look_again, inquiry, search.fitted(), [one.leader for one in rounds])
         if further is None:
@@ -69,10 +69,21 @@ def followed(inquiry: Inquiry, begun: Sequence[Round], look: Round) -> tuple[Dis
         if completed is not None:
             rounds, search = completed
             break
-    if len(rounds) > 1:
+    if len(rounds) > 1 and not is_gross(rounds, search, inquiry.base):
         rounds, search = in_time((rounds, search), _questioned, inquiry, rounds, search, look)
     last = look if look.winner is None else None
     return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(rounds), last), look
+
+
+def is_gross(rounds: Sequence[Round], search: Search, base: Search) -> bool:
+    """Whether two named findings leave but a trace of what is gross, from which no third could be told: so much is forms."""
+    is_trace = search.normalised > FLOOR and search.excess < TRACE * base.excess
+    return len(rounds) == 2 and not is_estimated(rounds) and is_trace
+
+
+def _is_remainder(winner: Rival, rounds: Sequence[Round], search: Search) -> bool:
+    """Whether an estimate would only take up what forms that are a little off have left."""
+    return bool(rounds) and is_unknown(winner) and search.normalised < UNEXPLAINED
 
 
 def _freed(rounds: Sequence[Round], search: Search, winner: Rival) -> tuple[list[Round], Search] | None:

@@ -88,6 +88,7 @@ class JointFriction(Hypothesis):
         odds = 1.0 / len(times)
         beside = [evolve(parallel(model, joint, effect), refined=form in REFINED, odds=odds) for form, effect in told]
         pushing = Effect(self.physics, "smooth, only pushing", "coulomb", force | established | closed, "friction_force")
+        slower_pushing = evolve(pushing, form="smooth and falling, only pushing", parameters=less | established | closed)
         share = {"friction_share": Parameter(0.0, 0.0, 1.0), "slip_rate": Parameter(0.1, 0.01, 1.0)}
         pressed = Effect(self.physics, "in proportion", "rubbing", share, "friction_share")
         preload = Effect(self.physics, "preloaded", "coulomb", force | established | always, "friction_force")
@@ -95,7 +96,7 @@ class JointFriction(Hypothesis):
         slower = {"slip_rate": less["slip_rate"], "stick": evolve(less["stick"], lower=0.0), "stick_rate": less["stick_rate"]}
         slipping = evolve(pressed, form="in proportion, falling", parameters={**share, **slower})
         fine = [
-            *pushing_beside(model, joint, pushing),
+            *(form for effect in (pushing, slower_pushing) for form in pushing_beside(model, joint, effect)),
             multiplied(model, joint, slipping),
             _both(model, joint, pressed, preload),
             _both(model, joint, slipping, evolve(preload, parameters=less | always)),

@@ -13,7 +13,16 @@ from crashkit.diagnose.name import rounds as questioned
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import LEAST_DROP, Round, is_given, least_drop
 from crashkit.diagnose.name.needed import _asked, needed, price
-from crashkit.diagnose.name.rounds import Discovery, _corrects, _freed, _was_asked, reconsidered
+from crashkit.diagnose.name.rounds import (
+    Discovery,
+    _corrects,
+    _freed,
+    _is_remainder,
+    _was_asked,
+    followed,
+    is_gross,
+    reconsidered,
+)
 from crashkit.diagnose.show.left_out import left_out_drop
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_body, with_joint
@@ -92,6 +101,39 @@ def test_a_table_corrects_a_law_that_was_named_at_its_place():
     assert not _corrects(rival("unknown", "rear"), named)
     assert not _corrects(rival("fracture", "front"), named)
     assert not _corrects(rival("unknown", "front"), [])
+
+
+def leaving(physics, left):
+    """A round whose winner leaves so much of the noise."""
+    search = SimpleNamespace(normalised=left, excess=left**2 - 1.0, fitted=lambda: None)
+    return Round((Rival(Proposal(physics, "", {"joint": physics}, None, (), {}), search, 9e5, 4.5e5),), (1.0,), 0.0, None)
+
+
+@pytest.mark.parametrize(("first", "told"), [(1.1, ["tension"]), (1.3, ["tension", "unknown"])])
+def test_an_estimate_beside_a_name_must_be_more_than_its_remainder(monkeypatch, inquiry, first, told):
+    """What forms that are a little off have left, it would take up anywhere."""
+    monkeypatch.setattr(questioned, "_freed", lambda *_: None)
+    monkeypatch.setattr(questioned, "_one_more", lambda _, rounds, look, winner: ([*rounds, look], winner.search))
+    monkeypatch.setattr(questioned, "_questioned", lambda inquiry, rounds, search, look: (rounds, search))
+    base = leaving("nothing", 9.0).leader.search
+    found, _ = followed(inquiry(base, given=True), [leaving("tension", first)], leaving("unknown", 1.0))
+    assert [look.leader.proposal.physics for look in found.rounds] == told
+    assert not _is_remainder(leaving("unknown", 1.0).leader, [], base)
+
+
+def test_beside_two_that_leave_a_trace_of_what_is_gross_no_third_is_looked_for(monkeypatch, inquiry):
+    def look_again(*_):
+        raise AssertionError("nothing more was to be asked")
+
+    monkeypatch.setattr(questioned, "_freed", lambda *_: None)
+    monkeypatch.setattr(questioned, "_one_more", lambda _, rounds, look, winner: ([*rounds, look], winner.search))
+    monkeypatch.setattr(questioned, "look_again", look_again)
+    base = leaving("nothing", 40.0).leader.search
+    found, _ = followed(inquiry(base, given=True), [leaving("tension", 3.0)], leaving("fracture", 1.6))
+    assert [look.leader.proposal.physics for look in found.rounds] == ["tension", "fracture"]
+    assert is_gross(found.rounds, found.search, base)
+    assert not is_gross(found.rounds, found.search, leaving("nothing", 9.0).leader.search)
+    assert not is_gross(found.rounds[:1], found.search, base)
 
 
 @pytest.mark.parametrize(("alone", "left"), [(7000.0, ["fracture", "bias"]), (1150.0, ["bias"])])
