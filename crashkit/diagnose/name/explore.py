@@ -138,9 +138,8 @@ def _suffices(found: Discovery, base: Search) -> bool:
         return explains(search) or (is_little and is_sound(search))
     is_little = search.normalised < UNEXPLAINED and search.excess < FORM_ERRORS[1] * base.excess
     is_all = found.last is not None and len(found.rounds) == 2 and not is_estimated(found.rounds)
-    return (is_gross(found.rounds, search, base) or (is_all and is_little)) and search.misfit.departure(
-        search.point
-    ) < STRAINED
+    is_enough = is_gross(found.rounds, search, base) or (is_all and is_little)
+    return is_enough and search.misfit.departure(search.point) < STRAINED
 
 
 def _cheaper(near: Discovery, wide: Discovery) -> Discovery:

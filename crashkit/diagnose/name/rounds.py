@@ -14,7 +14,7 @@ from crashkit.diagnose.locate.courses import Pointer
 from crashkit.diagnose.name.exchange import exchanged
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Round, between, look_again
+from crashkit.diagnose.name.look import Round, between, is_of_readings, look_again
 from crashkit.diagnose.name.settle import settled
 from crashkit.diagnose.result import place_of
 from crashkit.misfit import Misfit
@@ -82,8 +82,9 @@ def is_gross(rounds: Sequence[Round], search: Search, base: Search) -> bool:
 
 
 def _is_remainder(winner: Rival, rounds: Sequence[Round], search: Search) -> bool:
-    """Whether an estimate would only take up what forms that are a little off have left."""
-    return bool(rounds) and is_unknown(winner) and search.normalised < UNEXPLAINED
+    """Whether an estimate would only take up what a law that is a little off has left."""
+    has_laws = any(not is_of_readings(look.leader.proposal) for look in rounds)
+    return has_laws and is_unknown(winner) and search.normalised < UNEXPLAINED
 
 
 def _freed(rounds: Sequence[Round], search: Search, winner: Rival) -> tuple[list[Round], Search] | None:
