@@ -14,7 +14,7 @@ from crashkit.diagnose.locate.courses import Pointer
 from crashkit.diagnose.name.exchange import exchanged
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Round, between, is_of_readings, look_again
+from crashkit.diagnose.name.look import Round, between, look_again
 from crashkit.diagnose.name.settle import settled
 from crashkit.diagnose.result import place_of
 from crashkit.misfit import Misfit
@@ -56,7 +56,7 @@ class Discovery:
 def followed(inquiry: Inquiry, begun: Sequence[Round], look: Round) -> tuple[Discovery, Round]:
     """What is found from a beginning on, and the last look."""
     rounds, search = list(begun), begun[-1].leader.search if begun else inquiry.base
-    while look.winner is not None and not _corrects(look.winner, rounds) and not _is_remainder(look.winner, rounds, search):
+    while look.winner is not None and not _corrects(look.winner, rounds):
         freed = _freed(rounds, search, look.winner)
         rounds, search = freed or _one_more(inquiry, rounds, look, look.winner)
         if len(rounds) == MOST_FINDINGS or is_estimated(rounds) or is_gross(rounds, search, inquiry.base):
@@ -79,12 +79,6 @@ def is_gross(rounds: Sequence[Round], search: Search, base: Search) -> bool:
     """Whether two named findings leave but a trace of what is gross, from which no third could be told: so much is forms."""
     is_trace = search.normalised > FLOOR and search.excess < TRACE * base.excess
     return len(rounds) == 2 and not is_estimated(rounds) and is_trace
-
-
-def _is_remainder(winner: Rival, rounds: Sequence[Round], search: Search) -> bool:
-    """Whether an estimate would only take up what a law that is a little off has left."""
-    has_laws = any(not is_of_readings(look.leader.proposal) for look in rounds)
-    return has_laws and is_unknown(winner) and search.normalised < UNEXPLAINED
 
 
 def _freed(rounds: Sequence[Round], search: Search, winner: Rival) -> tuple[list[Round], Search] | None:

@@ -17,7 +17,6 @@ from crashkit.diagnose.name.rounds import (
     Discovery,
     _corrects,
     _freed,
-    _is_remainder,
     _was_asked,
     followed,
     is_gross,
@@ -107,18 +106,6 @@ def leaving(physics, left):
     """A round whose winner leaves so much of the noise."""
     search = SimpleNamespace(normalised=left, excess=left**2 - 1.0, fitted=lambda: None)
     return Round((Rival(Proposal(physics, "", {"joint": physics}, None, (), {}), search, 9e5, 4.5e5),), (1.0,), 0.0, None)
-
-
-@pytest.mark.parametrize(("first", "told"), [(1.1, ["tension"]), (1.3, ["tension", "unknown"])])
-def test_an_estimate_beside_a_name_must_be_more_than_its_remainder(monkeypatch, inquiry, first, told):
-    """What forms that are a little off have left, it would take up anywhere."""
-    monkeypatch.setattr(questioned, "_freed", lambda *_: None)
-    monkeypatch.setattr(questioned, "_one_more", lambda _, rounds, look, winner: ([*rounds, look], winner.search))
-    monkeypatch.setattr(questioned, "_questioned", lambda inquiry, rounds, search, look: (rounds, search))
-    base = leaving("nothing", 9.0).leader.search
-    found, _ = followed(inquiry(base, given=True), [leaving("tension", first)], leaving("unknown", 1.0))
-    assert [look.leader.proposal.physics for look in found.rounds] == told
-    assert not _is_remainder(leaving("unknown", 1.0).leader, [], base)
 
 
 def test_beside_two_that_leave_a_trace_of_what_is_gross_no_third_is_looked_for(monkeypatch, inquiry):
