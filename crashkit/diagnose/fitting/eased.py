@@ -2,11 +2,8 @@
 
 from collections.abc import Iterator, Mapping
 
-from crashkit.diagnose.fitting.search import STEPS, Search, advance_all, begin_all
+from crashkit.diagnose.fitting.search import Search, begun_again
 from crashkit.misfit import Misfit
-
-FIRST_STEPS = 8
-"""After which one that leaves more than the fit is given up."""
 
 
 def eased(search: Search, given: Misfit) -> Search:
@@ -15,11 +12,7 @@ def eased(search: Search, given: Misfit) -> Search:
     A claim that is fitted from where the model without it had been driven comes to all but one of its numbers again: of
     densification that had stood in for it, begun early and soft, there is no way back.
     """
-    begun = advance_all(
-        begin_all(search.identifier, [search.fitted().with_values(v) for v in _given(search, given)]), FIRST_STEPS
-    )
-    ahead = [one for one in begun if one.state.cost < search.state.cost]
-    return min([search, *advance_all(ahead, STEPS)], key=lambda one: one.state.cost)
+    return begun_again(search, _given(search, given))
 
 
 def _given(search: Search, given: Misfit) -> Iterator[Mapping[str, float]]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from crashkit.diagnose.fitting.regress import residual_and_jacobian
-from crashkit.diagnose.fitting.search import STEPS, Search, advance_all, begin, begin_all
+from crashkit.diagnose.fitting.search import Search, begin, begun_again
 from crashkit.diagnose.workshop import Workshop
 from crashkit.errors import SimulationError
 from crashkit.misfit import Misfit
@@ -14,8 +14,6 @@ from crashkit.model import Model
 
 REACHED = (0.9, 0.7, 0.5)
 """Of the largest that its joint comes to: where a threshold is begun again."""
-FIRST_STEPS = 8
-"""After which one that leaves more than the fit that does not reach it is given up."""
 OF = {"m": "deformation", "N": "force"}
 """What a threshold with these units is one of."""
 
@@ -27,10 +25,7 @@ def wakened(workshop: Workshop, search: Search) -> Search:
     """
     if not math.isfinite(search.state.cost):
         return search
-    starts = [search.fitted().with_values(lower) for lower in _lower(workshop, search)]
-    begun = advance_all(begin_all(search.identifier, starts), FIRST_STEPS)
-    ahead = [one for one in begun if one.state.cost < search.state.cost]
-    best = min([search, *advance_all(ahead, STEPS)], key=lambda one: one.state.cost)
+    best = begun_again(search, _lower(workshop, search))
     return search if best is search else wakened(workshop, best)
 
 

@@ -17,7 +17,7 @@ MANY = 4
 LEADERS = 4
 """How many of the claims of one number each may be first."""
 HEATS = ((24, 6), (6, 10), (2, 40))
-"""How many couples enter each, and how many steps each gets there."""
+"""How many couples with each first claim enter each, and how many steps each gets there."""
 
 
 def in_fewer_numbers(inquiry: Inquiry, found: Discovery) -> Discovery:
@@ -59,5 +59,5 @@ def _beside(inquiry: Inquiry, first: Rival, plain: list[Rival]) -> list[Couple]:
 
 
 def _cost_of(rival: Rival) -> float:
-    """The same of a single claim."""
+    """Half a chi squared of a single claim with the price of its numbers, as a couple has it."""
     return float(rival.search.state.cost) + 0.5 * price_of(rival.proposal, rival.search.misfit.independent_samples)
