@@ -21,6 +21,7 @@ from crashkit.diagnose.name.discover import discover
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Round
 from crashkit.diagnose.name.needed import needed, price
+from crashkit.diagnose.name.rivals import CONCEALED
 from crashkit.diagnose.name.rounds import Discovery
 from crashkit.diagnose.name.twins import beside_twins
 from crashkit.diagnose.result import Diagnosis
@@ -158,8 +159,11 @@ def _refined(workshop: Workshop, discovery: Discovery, model: Model, recordings:
     workshop = workshop.equipped([discovery.base.model, discovery.final.model])
     found = discovery.final.reweighted(discovery.final.start())
     thin = in_the_light_of(workshop, model, recordings, found)
-    searches = [refine(workshop.identifier, workshop.misfit(thin, m.model)) for m in (discovery.base, discovery.final)]
-    rounds, *searches = needed(workshop, discovery.rounds, *searches)
+    without, final = (workshop.misfit(thin, one.model) for one in (discovery.base, discovery.final))
+    search = refine(workshop.identifier, final)
+    rounds, *searches = needed(
+        workshop, discovery.rounds, _unexplained(workshop, without) if discovery.rounds else search, search
+    )
     searches = [sharpened(workshop, model, recordings, search) for search in searches]
     full = weighed_alike(workshop.first_misfit(model, recordings), found)
     base, final = (workshop.misfit(full, search.fitted().model) for search in searches)
@@ -167,6 +171,13 @@ def _refined(workshop: Workshop, discovery: Discovery, model: Model, recordings:
         rounds, final, searches = (), base, [searches[0]] * 2
     last = discovery.rounds[0] if discovery.rounds and not rounds else discovery.last
     return evolve(discovery, base=base, final=final, search=searches[1].unbelieving(), rounds=rounds, last=last)
+
+
+def _unexplained(workshop: Workshop, misfit: Misfit) -> Search:
+    """The fit of the model as it is. Where it leaves much, other starts are not worth their time: they would have to leave
+    as little as a finding does."""
+    search = begin(workshop.identifier, misfit).advance(STEPS)
+    return search if search.normalised > CONCEALED else refine(workshop.identifier, misfit)
 
 
 def _leading(discovery: Discovery) -> Sequence[Round]:

@@ -19,6 +19,9 @@ FIRST_STEPS = 8
 REWEIGHTINGS = 3
 LEAST_DROP = 0.02
 """Half a chi squared that a further step must gain: a hundredth of what one parameter gains by chance is not worth a step."""
+LEAST_SHARE = 1e-4
+"""Of the cost above the noise that it must gain: far above it, a fit that creeps is not worth its steps. What it would still
+have gained is hardly ever more than a fiftieth."""
 
 
 @frozen
@@ -68,8 +71,8 @@ class Search:
             if search.settled or search.state.status is not Status.RUNNING:
                 break
             state = self.identifier.step(self.misfit, search.state)
-            settled = search.state.cost - state.cost < LEAST_DROP
-            search = evolve(search, state=state, settled=settled)
+            least = max(LEAST_DROP, LEAST_SHARE * (state.cost - 0.5 * self.misfit.independent_samples))
+            search = evolve(search, state=state, settled=search.state.cost - state.cost < least)
         return search
 
     def result(self) -> Identification:

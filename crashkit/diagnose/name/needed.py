@@ -26,27 +26,36 @@ def needed(
 
     An early finding may only have led the search past a local optimum.
     """
-    kept = list(rounds)
+    kept, spared = list(rounds), dict[tuple[str, str], Search | None]()
     for look in rounds:
-        others = [one for one in kept if one is not look]
         base = alone_again(base, [look.leader.search.fitted()])
-        without = rebuild(workshop, base, [one.leader for one in others], final)
+        others = _others(kept, look)
+        without = rebuild(workshop, base, others, final)
+        spared[look.leader.identity] = without
         if without is not None and without.deviance < final.deviance + _asked(look.leader, others, final.misfit):
-            kept, final = others, without
-    return tuple(evolve(look, before=_without(workshop, look, kept, base, final)) for look in kept), base, final
+            kept, final = [one for one in kept if one is not look], without
+            spared.clear()  # those fits had it beside them
+    for look in kept:
+        if look.leader.identity not in spared:
+            spared[look.leader.identity] = rebuild(workshop, base, _others(kept, look), final)
+    told = [evolve(look, before=_before(workshop, look, spared[look.leader.identity] or base)) for look in kept]
+    return tuple(told), base, final
 
 
-def _asked(rival: Rival, others: Sequence[Round], misfit: Misfit) -> float:
+def _others(kept: Sequence[Round], look: Round) -> list[Rival]:
+    return [one.leader for one in kept if one is not look]
+
+
+def _asked(rival: Rival, others: Sequence[Rival], misfit: Misfit) -> float:
     """Chi squared that a finding must explain beside the others."""
     place = place_of(rival.proposal.location)
-    there = [one.leader.drop for one in others if place_of(one.leader.proposal.location) == place]
+    there = [one.drop for one in others if place_of(one.proposal.location) == place]
     return max([price(rival.proposal, misfit), *(THERE * drop for drop in there)])
 
 
-def _without(workshop: Workshop, look: Round, kept: Sequence[Round], base: Search, final: Search) -> Misfit:
+def _before(workshop: Workshop, look: Round, without: Search) -> Misfit:
     """The fit with all other findings that were kept: when this one was made, others may have stood beside it."""
-    others = [one.leader for one in kept if one is not look]
-    model = (rebuild(workshop, base, others, final) or base).fitted().model
+    model = without.fitted().model
     return workshop.equipped([model]).misfit(look.before, model)
 
 
