@@ -40,6 +40,9 @@ FIFTH = 0.2
 """Of what is left above the noise: a claim that leaves more of it is hardly all there is, in whatever form; and one that
 leaves less by no more than that is hardly another."""
 
+BLAMED = 2.5
+"""How much more an estimate may leave than what was found and gives way to it, residuals over noise."""
+
 
 def discovered(inquiry: Inquiry, near: Round | None = None) -> Discovery:
     """All findings that the evidence supports, each in the light of the others.
@@ -64,12 +67,12 @@ def _discovered(inquiry: Inquiry, near: Round | None) -> Discovery:
     if _is_wrong_beside_more(near):
         check_rate(inquiry.workshop, inquiry.given, near.leader)
         return beside_reading(inquiry, near)
-    found = None
+    found = beside = None
     if may_conceal(base.fitted()):
-        near, found = in_time((near, None), _nearby, inquiry, near)
+        near, found, beside = in_time((near, None, None), _nearby, inquiry, near)
     if found is not None and _suffices(found, base):
         return found
-    wide = in_time(_won(base, near), _widely, inquiry, near, found)
+    wide = in_time(_won(base, near), _widely, inquiry, near, found, beside)
     told = wide if found is None else _cheaper(found, wide)
     linked = in_time(told, linked_instead, inquiry, told)
     return _where_it_acts(inquiry, told) if linked is told else linked
@@ -164,7 +167,7 @@ def _where_it_acts(inquiry: Inquiry, found: Discovery) -> Discovery:
         return found
     look = found.rounds[0]
     estimate = next((rival for rival in look.rivals if rival.identity == (UNKNOWN, place)), None)
-    if estimate is None:
+    if estimate is None or estimate.search.normalised > BLAMED * found.search.normalised:
         return found
     others = [rival for rival in look.rivals if rival is not estimate]
     # What the equations say is in no evidence: that is of the recordings, and puts the estimate further down.
@@ -179,11 +182,11 @@ def _won(base: Search, look: Round) -> Discovery:
     return Discovery(base.fitted(), look.winner.search.fitted(), look.winner.search, (look,))
 
 
-def _nearby(inquiry: Inquiry, near: Round) -> tuple[Round, Discovery | None]:
-    """The look with its best known claim at its best, and what that leads to if it may be all there is."""
+def _nearby(inquiry: Inquiry, near: Round) -> tuple[Round, Discovery | None, Round | None]:
+    """The look with its best known claim at its best, what that leads to if it may be all there is, and the look beside it."""
     known = [rival for rival in near.rivals if not is_unknown(rival)]
     if not known or known[0].search.excess > HALF * inquiry.base.excess:
-        return near, None
+        return near, None, None
     first = settled(inquiry, between(near, known), known[0], [])
     search = first.leader.search
     if search.excess < FIFTH * inquiry.base.excess:
@@ -191,15 +194,15 @@ def _nearby(inquiry: Inquiry, near: Round) -> tuple[Round, Discovery | None]:
     near = between(near, sorted([*first.rivals, *filter(is_unknown, near.rivals)], key=lambda rival: -rival.evidence))
     winner = first.winner
     if winner is None:
-        return near, None
+        return near, None, None
     if search.normalised < CONCEALED:
         check_pace(inquiry.workshop, inquiry.given, winner)
     first = first if is_unknown(near.leader) else near
     look = look_again(inquiry, search.fitted(), [winner], quick=search.normalised > CONCEALED)
     if search.normalised > CONCEALED and not (_completes(look) or _is_most(search, inquiry.base, look)):
-        return near, None
+        return near, None, look
     found, _ = followed(inquiry, [first], look)
-    return near, found
+    return near, found, look
 
 
 def _is_most(search: Search, base: Search, look: Round) -> bool:
@@ -214,11 +217,12 @@ def _completes(look: Round) -> bool:
     return look.winner is not None and not is_unknown(look.winner) and look.winner.search.normalised < UNEXPLAINED
 
 
-def _widely(inquiry: Inquiry, near: Round, nearby: Discovery | None) -> Discovery:
+def _widely(inquiry: Inquiry, near: Round, nearby: Discovery | None, beside: Round | None) -> Discovery:
     """Round after round, with everything in sight; begun otherwise where that leaves something.
 
     Arguments:
         nearby: what was found there. Where the first look with everything in sight only confirms it, no more is asked.
+        beside: the look beside the best claim there, if one was made.
     """
     base, first = _first_look(inquiry, near)
     inquiry = evolve(inquiry, base=base)
@@ -229,7 +233,7 @@ def _widely(inquiry: Inquiry, near: Round, nearby: Discovery | None) -> Discover
         rounds, look = [couple[0]], couple[1]
     else:
         rounds, look = in_time(([], first), named_before_unknown, inquiry, first)
-    found, last = followed(inquiry, rounds, look)
+    found, last = followed(inquiry, rounds, look, beside)
     if not found.rounds or is_estimated(found.rounds) or found.search.normalised < UNEXPLAINED:
         return found
     least = min([found.search.deviance, *(rival.search.deviance for rival in last.rivals[:1])])

@@ -53,15 +53,20 @@ class Discovery:
     pointer: Pointer | None = None
 
 
-def followed(inquiry: Inquiry, begun: Sequence[Round], look: Round) -> tuple[Discovery, Round]:
-    """What is found from a beginning on, and the last look."""
+def followed(inquiry: Inquiry, begun: Sequence[Round], look: Round, near: Round | None = None) -> tuple[Discovery, Round]:
+    """What is found from a beginning on, and the last look.
+
+    Arguments:
+        near: a look beside a single finding from its numbers, if one was made already; where it was at just this model, the
+            next look begins with it.
+    """
     rounds, search = list(begun), begun[-1].leader.search if begun else inquiry.base
-    while look.winner is not None and not _corrects(look.winner, rounds):
+    while look.winner is not None and not _corrects(look.winner, rounds) and not _is_too_much(look.winner, rounds):
         freed = _freed(rounds, search, look.winner)
         rounds, search = freed or _one_more(inquiry, rounds, look, look.winner)
         if len(rounds) == MOST_FINDINGS or is_estimated(rounds) or is_gross(rounds, search, inquiry.base):
             break
-        further = in_time(None, look_again, inquiry, search.fitted(), [one.leader for one in rounds])
+        further = in_time(None, _look_beside, inquiry, search, rounds, near)
         if further is None:
             break
         look = further
@@ -73,6 +78,12 @@ def followed(inquiry: Inquiry, begun: Sequence[Round], look: Round) -> tuple[Dis
         rounds, search = in_time((rounds, search), _questioned, inquiry, rounds, search, look)
     last = look if look.winner is None else None
     return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(rounds), last), look
+
+
+def _look_beside(inquiry: Inquiry, search: Search, rounds: Sequence[Round], near: Round | None) -> Round:
+    """A look at what is left beside the findings; one that was made near there is not made again."""
+    is_there = near is not None and near.before.names == search.misfit.names and _was_asked(near, search)
+    return look_again(inquiry, search.fitted(), [one.leader for one in rounds], begun=near if is_there else None)
 
 
 def is_gross(rounds: Sequence[Round], search: Search, base: Search) -> bool:
@@ -176,6 +187,12 @@ def _corrects(winner: Rival, rounds: Sequence[Round]) -> bool:
     """A table at the place of a named finding says how far the form of that is off, not that there is more."""
     places = [place_of(look.leader.proposal.location) for look in rounds]
     return is_unknown(winner) and place_of(winner.proposal.location) in places
+
+
+def _is_too_much(winner: Rival, rounds: Sequence[Round]) -> bool:
+    """Whether it is an estimate beside two findings that leaves something even so: two forms that are off look like a third
+    cause, and a table imitates them best."""
+    return len(rounds) == MOST_FINDINGS - 1 and is_unknown(winner) and winner.search.normalised > UNEXPLAINED
 
 
 def is_estimated(rounds: Sequence[Round]) -> bool:

@@ -92,20 +92,23 @@ def test_a_place_is_told_with_the_next_best():
 
 
 @pytest.mark.parametrize(
-    ("named", "place", "first"),
+    ("named", "place", "times", "first"),
     [
-        ("peak_load", {"joint": "first"}, ("unknown", "joint second")),
-        ("peak_load", {"joint": "second"}, ("peak_load", "joint second")),
-        ("bias", {"sensor": "front_sensor"}, ("bias", "sensor front_sensor")),
+        ("peak_load", {"joint": "first"}, 1.0, ("unknown", "joint second")),
+        ("peak_load", {"joint": "first"}, 2.0, ("unknown", "joint second")),
+        ("peak_load", {"joint": "first"}, 3.0, ("peak_load", "joint first")),
+        ("peak_load", {"joint": "second"}, 1.0, ("peak_load", "joint second")),
+        ("bias", {"sensor": "front_sensor"}, 1.0, ("bias", "sensor front_sensor")),
     ],
 )
-def test_what_leaves_something_elsewhere_gives_way_to_an_estimate_there(workshop, inquiry, given, named, place, first):
-    """But not what is named at that place, nor what is said of an instrument."""
+def test_what_leaves_something_elsewhere_gives_way_to_an_estimate_there(workshop, inquiry, given, named, place, times, first):
+    """But not to one that leaves much more, and not what is named at that place, nor what is said of an instrument."""
     one = given("second")
     search = begin(workshop.identifier, one)
     table = next(p for p in propose_all(workshop, one) if (p.physics, p.location) == ("unknown", {"joint": "second"}))
     claim = evolve(table, physics=named, location=place)
     estimate = begin(workshop.identifier, workshop.misfit(one, table.model))
+    estimate = evolve(estimate, state=evolve(estimate.state, cost=times**2 * search.state.cost))
     rivals = (Rival(claim, search, 100.0, 50.0), Rival(table, estimate, 90.0, 40.0))
     look = Round(rivals, (0.9, 0.1), 0.0, one)
     found = _where_it_acts(inquiry(search), Discovery(one, one, search, (look,)))
