@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from crashkit.campaign import spread
-from crashkit.diagnose.fitting.contest import Entrant, first_of_each, heats, identity, propose_all
+from crashkit.diagnose.fitting.contest import Entrant, first_of_each, heats, identity, priced, propose_all
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin_all
 from crashkit.diagnose.name.forms import along, with_form
@@ -41,6 +41,6 @@ def imitating(inquiry: Inquiry, table: Rival) -> list[Entrant]:
 
 def _best_of_each_claim(fitted: Sequence[Entrant]) -> list[Entrant]:
     claims: dict[tuple[str, str], Entrant] = {}
-    for proposal, search in sorted(fitted, key=lambda entrant: entrant[1].state.cost):
+    for proposal, search in sorted(fitted, key=priced):
         claims.setdefault(identity(proposal), (proposal, search))
     return list(claims.values())

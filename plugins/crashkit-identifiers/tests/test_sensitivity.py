@@ -251,3 +251,34 @@ def test_a_model_with_nothing_free_has_nothing_to_find(slow_and_fast):
     fixed = fixed.with_parameters({path: evolve(p, fixed=True) for path, p in fixed.free_parameters().items()})
     found = run(Sensitivity(), Misfit(fixed, slow_and_fast, load().spring_laws, load().observers))
     assert found.values == {} and found.status is Status.CONVERGED
+
+
+@define
+class Corner(Linear):
+    """r(u) = 1 + |u - 1|^0.6: past the corner every full step overshoots. Counts what it is asked for."""
+
+    costs: int = 0
+    derivatives: int = 0
+
+    def residual(self, scaled):
+        self.costs += 1
+        return self._residual(scaled)
+
+    def residual_and_jacobian(self, scaled):
+        self.derivatives += 1
+        slope = 0.6 * np.sign(scaled - 1.0) * np.abs(scaled - 1.0) ** -0.4
+        return self._residual(scaled), np.diag(slope)
+
+    def _residual(self, scaled):
+        return 1.0 + np.abs(scaled - 1.0) ** 0.6
+
+
+def test_after_a_refused_step_the_cost_alone_is_asked_for_until_one_is_kept():
+    one = [[1.0]], [0.0], [1.01]
+    problem = Corner(*(np.array(value) for value in one), *(np.array([end]) for end in (-np.inf, np.inf, False)))
+    method = Sensitivity()
+    first = method.start(problem)
+    after = method.step(problem, first)
+    assert after.cost < first.cost
+    assert problem.derivatives == 3  # at the start, of the step that was refused, and of the one that was kept
+    assert problem.costs > 1

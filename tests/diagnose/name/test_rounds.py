@@ -46,12 +46,12 @@ def test_a_finding_that_the_fit_needs_is_kept(workshop, offered):
 def test_a_finding_at_the_place_of_another_must_explain_a_share_of_it(workshop, offered, explained, is_told):
     """The error of that one's form looks like a force there, and a force at another place is something else."""
     look, base, final = offered(800.0)
-    here = evolve(look, rivals=(evolve(look.leader, drop=explained),))
+    here = evolve(look.leader, drop=explained)
     asked = _asked(look.leader, [here], final.misfit)
     assert asked == pytest.approx(max(LEAST_DROP, 0.05 * explained))
     assert (base.deviance - final.deviance > asked) is is_told
-    moved = evolve(here.leader, proposal=evolve(here.leader.proposal, location={"joint": "elsewhere"}))
-    assert _asked(look.leader, [evolve(here, rivals=(moved,))], final.misfit) == LEAST_DROP
+    moved = evolve(here, proposal=evolve(here.proposal, location={"joint": "elsewhere"}))
+    assert _asked(look.leader, [moved], final.misfit) == LEAST_DROP
 
 
 def test_what_is_kept_is_seen_against_the_model_without_what_was_dropped(workshop, model, offered):
@@ -121,6 +121,33 @@ def test_beside_two_that_leave_a_trace_of_what_is_gross_no_third_is_looked_for(m
     assert is_gross(found.rounds, found.search, base)
     assert not is_gross(found.rounds, found.search, leaving("nothing", 9.0).leader.search)
     assert not is_gross(found.rounds[:1], found.search, base)
+
+
+@pytest.mark.parametrize(("left", "told"), [(1.01, 3), (1.6, 2)])
+def test_a_third_cause_is_only_estimated_where_it_leaves_nothing(monkeypatch, inquiry, left, told):
+    """Two forms that are off look like one."""
+    looks = iter([leaving("unknown", left)])
+    monkeypatch.setattr(questioned, "_freed", lambda *_: None)
+    monkeypatch.setattr(questioned, "_one_more", lambda _, rounds, look, winner: ([*rounds, look], winner.search))
+    monkeypatch.setattr(questioned, "_questioned", lambda _, rounds, search, last: (rounds, search))
+    monkeypatch.setattr(questioned, "look_again", lambda *_, **__: next(looks))
+    base = leaving("nothing", 9.0).leader.search
+    found, _ = followed(inquiry(base, given=True), [leaving("tension", 5.0)], leaving("fracture", 3.0))
+    assert len(found.rounds) == told
+
+
+@pytest.mark.parametrize(("times", "is_begun"), [(1.0, True), (2.0, False)])
+def test_a_look_that_was_made_near_is_not_made_again(monkeypatch, inquiry, offered, times, is_begun):
+    """But where it was made at a worse fit, or at another model."""
+    look, base, final = offered(800.0)
+    (path,) = look.leader.proposal.parameters
+    damping = times * final.misfit.values(final.point)[path]
+    near = evolve(look, before=final.fitted().with_values({path: damping}))
+    begun = []
+    monkeypatch.setattr(questioned, "look_again", lambda *_, **named: begun.append(named["begun"]))
+    questioned._look_beside(inquiry(base), final, [look], near)
+    questioned._look_beside(inquiry(base), base, [], near)
+    assert begun == [near if is_begun else None, None]
 
 
 @pytest.mark.parametrize(("alone", "left"), [(7000.0, ["fracture", "bias"]), (1150.0, ["bias"])])
