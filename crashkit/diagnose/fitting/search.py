@@ -20,8 +20,8 @@ REWEIGHTINGS = 3
 LEAST_DROP = 0.02
 """Half a chi squared that a further step must gain: a hundredth of what one parameter gains by chance is not worth a step."""
 LEAST_SHARE = 1e-4
-"""Of the cost above the noise that it must gain: far above it, a fit that creeps is not worth its steps. What it would still
-have gained is hardly ever more than a fiftieth."""
+"""Of the cost above the noise that one of two steps in a row must gain: far above it, a fit that creeps is not worth its time.
+What it would still have gained is hardly ever more than a hundredth."""
 
 
 @frozen
@@ -32,12 +32,14 @@ class Search:
         misfit: the model and the recordings.
         state: of the identifier.
         settled: whether further steps gain next to nothing.
+        crept: whether the last step gained little.
     """
 
     identifier: Identifier[Any]
     misfit: Misfit
     state: Any
     settled: bool = False
+    crept: bool = False
 
     @property
     def point(self) -> np.ndarray:
@@ -70,10 +72,13 @@ class Search:
         for _ in range(steps):
             if search.settled or search.state.status is not Status.RUNNING:
                 break
-            state = self.identifier.step(self.misfit, search.state)
-            least = max(LEAST_DROP, LEAST_SHARE * (state.cost - 0.5 * self.misfit.independent_samples))
-            search = evolve(search, state=state, settled=search.state.cost - state.cost < least)
+            search = search._stepped(self.identifier.step(self.misfit, search.state))
         return search
+
+    def _stepped(self, state: Any) -> "Search":
+        gained = self.state.cost - state.cost
+        crept = gained < LEAST_SHARE * (state.cost - 0.5 * self.misfit.independent_samples)
+        return evolve(self, state=state, settled=gained < LEAST_DROP or (crept and self.crept), crept=crept)
 
     def result(self) -> Identification:
         """The identification as it stands; one that has settled counts as converged."""
@@ -104,12 +109,15 @@ def begin_all(identifier: Identifier[Any], misfits: Sequence[Misfit]) -> list[Se
 def advance_all(searches: Sequence[Search], steps: int, told: Callable[[int], None] = lambda done: None) -> list[Search]:
     """At most so many steps further with each, on all cores."""
 
-    def standing(search: Search) -> tuple[Any, bool]:
+    def standing(search: Search) -> tuple[Any, bool, bool]:
         ahead = search.advance(steps)
-        return ahead.state, ahead.settled
+        return ahead.state, ahead.settled, ahead.crept
 
     stood = spread(standing, searches, told)
-    return [evolve(search, state=state, settled=settled) for search, (state, settled) in zip(searches, stood, strict=True)]
+    return [
+        evolve(search, state=state, settled=settled, crept=crept)
+        for search, (state, settled, crept) in zip(searches, stood, strict=True)
+    ]
 
 
 def begun_again(search: Search, starts: Iterable[Mapping[str, float]]) -> Search:
