@@ -160,10 +160,9 @@ def _refined(workshop: Workshop, discovery: Discovery, model: Model, recordings:
     found = discovery.final.reweighted(discovery.final.start())
     thin = in_the_light_of(workshop, model, recordings, found)
     without, final = (workshop.misfit(thin, one.model) for one in (discovery.base, discovery.final))
-    search = refine(workshop.identifier, final)
-    rounds, *searches = needed(
-        workshop, discovery.rounds, _unexplained(workshop, without) if discovery.rounds else search, search
-    )
+    found_with = refine(workshop.identifier, final)
+    found_without = _unexplained(workshop, without) if discovery.rounds else found_with
+    rounds, *searches = needed(workshop, discovery.rounds, found_without, found_with)
     searches = [sharpened(workshop, model, recordings, search) for search in searches]
     full = weighed_alike(workshop.first_misfit(model, recordings), found)
     base, final = (workshop.misfit(full, search.fitted().model) for search in searches)

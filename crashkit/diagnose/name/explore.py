@@ -39,7 +39,6 @@ from where one of them has moved its numbers, everything is asked from there."""
 FIFTH = 0.2
 """Of what is left above the noise: a claim that leaves more of it is hardly all there is, in whatever form; and one that
 leaves less by no more than that is hardly another."""
-
 BLAMED = 2.5
 """How much more an estimate may leave than what was found and gives way to it, residuals over noise."""
 

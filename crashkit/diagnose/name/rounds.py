@@ -61,7 +61,7 @@ def followed(inquiry: Inquiry, begun: Sequence[Round], look: Round, near: Round 
             next look begins with it.
     """
     rounds, search = list(begun), begun[-1].leader.search if begun else inquiry.base
-    while look.winner is not None and not _corrects(look.winner, rounds) and not _is_too_much(look.winner, rounds):
+    while look.winner is not None and not _corrects(look.winner, rounds) and not _is_one_too_many(look.winner, rounds):
         freed = _freed(rounds, search, look.winner)
         rounds, search = freed or _one_more(inquiry, rounds, look, look.winner)
         if len(rounds) == MOST_FINDINGS or is_estimated(rounds) or is_gross(rounds, search, inquiry.base):
@@ -189,7 +189,7 @@ def _corrects(winner: Rival, rounds: Sequence[Round]) -> bool:
     return is_unknown(winner) and place_of(winner.proposal.location) in places
 
 
-def _is_too_much(winner: Rival, rounds: Sequence[Round]) -> bool:
+def _is_one_too_many(winner: Rival, rounds: Sequence[Round]) -> bool:
     """Whether it is an estimate beside two findings that leaves something even so: two forms that are off look like a third
     cause, and a table imitates them best."""
     return len(rounds) == MOST_FINDINGS - 1 and is_unknown(winner) and winner.search.normalised > UNEXPLAINED

@@ -4,7 +4,8 @@ import numpy as np
 from attrs import evolve, field, frozen
 
 from crashkit.protocols import Problem, Status
-from crashkit_identifiers.normal_equations import cost_at, normal_equations
+from crashkit_identifiers.cost import cost_at
+from crashkit_identifiers.normal_equations import normal_equations
 
 FIRST_DAMPING = 1e-3
 LARGEST_DAMPING = 1e12

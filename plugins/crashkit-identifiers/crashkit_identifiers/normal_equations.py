@@ -22,14 +22,3 @@ def normal_equations(problem: Problem, point: np.ndarray) -> tuple[np.ndarray, n
     except SimulationError:
         return None
     return (residual, gradient, curvature) if is_sound else None
-
-
-def cost_at(problem: Problem, point: np.ndarray) -> float:
-    """r'r / 2 alone; infinite where the model cannot be simulated, or blows up."""
-    try:
-        with np.errstate(over="ignore", invalid="ignore"):
-            residual = problem.residual(point)
-            cost = 0.5 * float(residual @ residual)
-    except SimulationError:
-        return np.inf
-    return cost if np.isfinite(cost) else np.inf
