@@ -9,36 +9,34 @@ from crashkit.diagnose.fitting.evidence import (
     Rival,
     explains,
     is_sound,
-    is_unknown,
     ranked_by_evidence,
     rival_of,
 )
 from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.rebuild import alone_again
 from crashkit.diagnose.fitting.search import Search
-from crashkit.diagnose.fitting.sharpen import check_pace, check_rate
+from crashkit.diagnose.fitting.sharpen import check_rate
 from crashkit.diagnose.locate.courses import courses, outstanding
 from crashkit.diagnose.name.beginnings import begun_otherwise
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.linked import linked_instead
 from crashkit.diagnose.name.look import FORM_ERRORS, Round, between, is_of_readings, led, look_again
+from crashkit.diagnose.name.nearby import Nearby, followed_nearby
 from crashkit.diagnose.name.needed import price
 from crashkit.diagnose.name.pairs import both, named_before_unknown
 from crashkit.diagnose.name.rivals import CONCEALED, may_conceal
-from crashkit.diagnose.name.rounds import NEEDED, TIE, Discovery, followed, is_estimated, is_gross, reconsidered
-from crashkit.diagnose.name.settle import settled
+from crashkit.diagnose.name.rounds import NEEDED, TIE, Discovery, followed, is_estimated, leave_a_trace, reconsidered
 from crashkit.diagnose.name.simpler import in_fewer_numbers
 from crashkit.diagnose.result import UNKNOWN, place_of
 
-HALF = 0.5
-"""Of what the model without it leaves above the noise: a claim that leaves more is not followed before all are asked."""
 LED = 3
-"""How many of the leading claims may show that the model as it is was caught in a local optimum: where it leaves half as much
-from where one of them has moved its numbers, everything is asked from there."""
+"""How many of the leading claims may show that the model as it is was caught in a local optimum."""
+HALF = 0.5
+"""Of what the model as it is leaves above the noise: where it leaves less from where one of them has moved its numbers,
+everything is asked from there."""
 FIFTH = 0.2
-"""Of what is left above the noise: a claim that leaves more of it is hardly all there is, in whatever form; and one that
-leaves less by no more than that is hardly another."""
+"""Of what a claim leaves above the noise: what leaves less by no more than that is hardly another."""
 BLAMED = 2.5
 """How much more an estimate may leave than what was found and gives way to it, residuals over noise."""
 
@@ -66,12 +64,13 @@ def _discovered(inquiry: Inquiry, near: Round | None) -> Discovery:
     if _is_wrong_beside_more(near):
         check_rate(inquiry.workshop, inquiry.given, near.leader)
         return beside_reading(inquiry, near)
-    found = beside = None
+    nearby = Nearby(near)
     if may_conceal(base.fitted()):
-        near, found, beside = in_time((near, None, None), _nearby, inquiry, near)
+        nearby = in_time(nearby, followed_nearby, inquiry, near)
+    found = nearby.found
     if found is not None and _suffices(found, base):
         return found
-    wide = in_time(_won(base, near), _widely, inquiry, near, found, beside)
+    wide = in_time(_won(base, nearby.look), _widely, inquiry, nearby)
     told = wide if found is None else _cheaper(found, wide)
     linked = in_time(told, linked_instead, inquiry, told)
     return _where_it_acts(inquiry, told) if linked is told else linked
@@ -140,7 +139,7 @@ def _suffices(found: Discovery, base: Search) -> bool:
         return explains(search) or (is_little and is_sound(search))
     is_little = search.normalised < UNEXPLAINED and search.excess < FORM_ERRORS[1] * base.excess
     is_all = found.last is not None and len(found.rounds) == 2 and not is_estimated(found.rounds)
-    is_enough = is_gross(found.rounds, search, base) or (is_all and is_little)
+    is_enough = leave_a_trace(found.rounds, search, base) or (is_all and is_little)
     return is_enough and search.misfit.departure(search.point) < STRAINED
 
 
@@ -181,58 +180,21 @@ def _won(base: Search, look: Round) -> Discovery:
     return Discovery(base.fitted(), look.winner.search.fitted(), look.winner.search, (look,))
 
 
-def _nearby(inquiry: Inquiry, near: Round) -> tuple[Round, Discovery | None, Round | None]:
-    """The look with its best known claim at its best, what that leads to if it may be all there is, and the look beside it."""
-    known = [rival for rival in near.rivals if not is_unknown(rival)]
-    if not known or known[0].search.excess > HALF * inquiry.base.excess:
-        return near, None, None
-    first = settled(inquiry, between(near, known), known[0], [])
-    search = first.leader.search
-    if search.excess < FIFTH * inquiry.base.excess:
-        (first,), search = in_best_forms(inquiry, [first], search)
-    near = between(near, sorted([*first.rivals, *filter(is_unknown, near.rivals)], key=lambda rival: -rival.evidence))
-    winner = first.winner
-    if winner is None:
-        return near, None, None
-    if search.normalised < CONCEALED:
-        check_pace(inquiry.workshop, inquiry.given, winner)
-    first = first if is_unknown(near.leader) else near
-    look = look_again(inquiry, search.fitted(), [winner], quick=search.normalised > CONCEALED)
-    if search.normalised > CONCEALED and not (_completes(look) or _is_most(search, inquiry.base, look)):
-        return near, None, look
-    found, _ = followed(inquiry, [first], look)
-    return near, found, look
-
-
-def _is_most(search: Search, base: Search, look: Round) -> bool:
-    """Whether a claim leaves next to nothing of what was left, of which a known one explains half."""
-    winner = look.winner
-    is_followed = winner is not None and not is_unknown(winner) and winner.search.excess < HALF * search.excess
-    return is_followed and search.excess < FORM_ERRORS[1] * base.excess
-
-
-def _completes(look: Round) -> bool:
-    """Whether a known claim leaves next to nothing."""
-    return look.winner is not None and not is_unknown(look.winner) and look.winner.search.normalised < UNEXPLAINED
-
-
-def _widely(inquiry: Inquiry, near: Round, nearby: Discovery | None, beside: Round | None) -> Discovery:
+def _widely(inquiry: Inquiry, nearby: Nearby) -> Discovery:
     """Round after round, with everything in sight; begun otherwise where that leaves something.
 
-    Arguments:
-        nearby: what was found there. Where the first look with everything in sight only confirms it, no more is asked.
-        beside: the look beside the best claim there, if one was made.
+    Where the first look only confirms what was found nearby, no more is asked.
     """
-    base, first = _first_look(inquiry, near)
+    base, first = _first_look(inquiry, nearby.look)
     inquiry = evolve(inquiry, base=base)
-    if nearby is not None and not first.couples and _is_confirmed(nearby, first):
-        return nearby
+    if nearby.found is not None and not first.couples and _is_confirmed(nearby.found, first):
+        return nearby.found
     couple = both(inquiry, first) if first.couples else None
     if couple is not None:
         rounds, look = [couple[0]], couple[1]
     else:
         rounds, look = in_time(([], first), named_before_unknown, inquiry, first)
-    found, last = followed(inquiry, rounds, look, beside)
+    found, last = followed(inquiry, rounds, look, nearby.beside)
     if not found.rounds or is_estimated(found.rounds) or found.search.normalised < UNEXPLAINED:
         return found
     least = min([found.search.deviance, *(rival.search.deviance for rival in last.rivals[:1])])

@@ -64,7 +64,7 @@ def followed(inquiry: Inquiry, begun: Sequence[Round], look: Round, near: Round 
     while look.winner is not None and not _corrects(look.winner, rounds) and not _is_one_too_many(look.winner, rounds):
         freed = _freed(rounds, search, look.winner)
         rounds, search = freed or _one_more(inquiry, rounds, look, look.winner)
-        if len(rounds) == MOST_FINDINGS or is_estimated(rounds) or is_gross(rounds, search, inquiry.base):
+        if len(rounds) == MOST_FINDINGS or is_estimated(rounds) or leave_a_trace(rounds, search, inquiry.base):
             break
         further = in_time(None, _look_beside, inquiry, search, rounds, near)
         if further is None:
@@ -74,7 +74,7 @@ def followed(inquiry: Inquiry, begun: Sequence[Round], look: Round, near: Round 
         if completed is not None:
             rounds, search = completed
             break
-    if len(rounds) > 1 and not is_gross(rounds, search, inquiry.base):
+    if len(rounds) > 1 and not leave_a_trace(rounds, search, inquiry.base):
         rounds, search = in_time((rounds, search), _questioned, inquiry, rounds, search, look)
     last = look if look.winner is None else None
     return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(rounds), last), look
@@ -86,7 +86,7 @@ def _look_beside(inquiry: Inquiry, search: Search, rounds: Sequence[Round], near
     return look_again(inquiry, search.fitted(), [one.leader for one in rounds], begun=near if is_there else None)
 
 
-def is_gross(rounds: Sequence[Round], search: Search, base: Search) -> bool:
+def leave_a_trace(rounds: Sequence[Round], search: Search, base: Search) -> bool:
     """Whether two named findings leave but a trace of what is gross, from which no third could be told: so much is forms."""
     is_trace = search.normalised > FLOOR and search.excess < TRACE * base.excess
     return len(rounds) == 2 and not is_estimated(rounds) and is_trace

@@ -9,9 +9,10 @@ from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name import explore
 from crashkit.diagnose.name.discover import discover
-from crashkit.diagnose.name.explore import _is_confirmed, _is_most, _is_wrong_beside_more, _suffices, discovered
+from crashkit.diagnose.name.explore import _is_confirmed, _is_wrong_beside_more, _suffices, discovered
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Round
+from crashkit.diagnose.name.nearby import _is_most
 from crashkit.diagnose.name.rounds import Discovery
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_joint

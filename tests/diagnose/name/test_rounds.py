@@ -19,7 +19,7 @@ from crashkit.diagnose.name.rounds import (
     _freed,
     _was_asked,
     followed,
-    is_gross,
+    leave_a_trace,
     reconsidered,
 )
 from crashkit.diagnose.show.left_out import left_out_drop
@@ -118,9 +118,9 @@ def test_beside_two_that_leave_a_trace_of_what_is_gross_no_third_is_looked_for(m
     base = leaving("nothing", 40.0).leader.search
     found, _ = followed(inquiry(base, given=True), [leaving("tension", 3.0)], leaving("fracture", 1.6))
     assert [look.leader.proposal.physics for look in found.rounds] == ["tension", "fracture"]
-    assert is_gross(found.rounds, found.search, base)
-    assert not is_gross(found.rounds, found.search, leaving("nothing", 9.0).leader.search)
-    assert not is_gross(found.rounds[:1], found.search, base)
+    assert leave_a_trace(found.rounds, found.search, base)
+    assert not leave_a_trace(found.rounds, found.search, leaving("nothing", 9.0).leader.search)
+    assert not leave_a_trace(found.rounds[:1], found.search, base)
 
 
 @pytest.mark.parametrize(("left", "told"), [(1.01, 3), (1.6, 2)])
