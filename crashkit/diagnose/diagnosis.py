@@ -59,12 +59,13 @@ def diagnose(
     limit = TimeLimit(seconds, progress)
     rehearsed = workshop.rehearsed(model, [*recordings.values(), *holdout.values()])
     equipped, discovery = _explained(rehearsed, model, recordings, limit)
-    if not limit.is_over and holdout and _contradicted(equipped, discovery, model, recordings, holdout):
+    together = None if limit.is_over else _fitted_together(equipped, discovery, model, recordings, holdout)
+    if together is not None and _is_contradicted(discovery, together):
         looks = _leading(discovery)
-        again, together = _explained(rehearsed, model, {**recordings, **holdout}, limit, looks)
+        again, asked_again = _explained(rehearsed, model, {**recordings, **holdout}, limit, looks)
         if not limit.is_over:
-            return nothing_predicted(answer(again, together, model, {}), tuple(holdout))
-    told = answer(equipped, discovery, model, holdout)
+            return nothing_predicted(answer(again, asked_again, model, {}), tuple(holdout))
+    told = answer(equipped, discovery, model, holdout, together)
     return cut_short(told, seconds) if limit.is_over else told
 
 
@@ -119,28 +120,36 @@ def _discovered(
     return in_time(so_far, discover, finer, (alone,))
 
 
-def _contradicted(
+def _fitted_together(
     workshop: Workshop,
     discovery: Discovery,
     model: Model,
     recordings: Mapping[str, xr.DataTree],
     holdout: Mapping[str, xr.DataTree],
-) -> bool:
-    """Whether what explains the fitted runs cannot explain them and the held-out ones together, whatever its numbers.
+) -> Search | None:
+    """What explains the fitted runs, fitted to those held out as well. None where these are predicted, or those not explained.
 
-    A prediction may also be off because the fitted runs do not tell a number, or because a form is off that leaves something
-    in them too: neither says that anything else is missing. Where nothing was found there is no form, and more than chance
-    leaves says that something is. Of a finding, only channels whose noise is told are witnesses.
+    A prediction may be off because the fitted runs do not tell a number, or because a form is off that leaves something in
+    them too: neither says that anything else is missing.
     """
+    if not holdout:
+        return None
     final = discovery.final
     workshop = workshop.equipped([final.model])
     unseen = weighed_alike(workshop.first_misfit(final.model, holdout), final)
     normalised = partial(_normalised, told_only=bool(discovery.rounds))
     if normalised(final) > UNEXPLAINED or normalised(unseen) < UNEXPLAINED:
-        return False
+        return None
     both = in_the_light_of(workshop, model, {**recordings, **holdout}, final)
-    together = wakened(workshop, refine(workshop.identifier, workshop.misfit(both, final.model)))
-    return normalised(together.fitted()) > UNEXPLAINED if discovery.rounds else not is_at_noise(together)
+    return wakened(workshop, refine(workshop.identifier, workshop.misfit(both, final.model)))
+
+
+def _is_contradicted(discovery: Discovery, together: Search) -> bool:
+    """Whether no values of what was found explain all runs. Where nothing was found there is no form that may be off, and more
+    than chance leaves says that something is missing. Of a finding, only channels whose noise is told are witnesses."""
+    if not discovery.rounds:
+        return not is_at_noise(together)
+    return _normalised(together.fitted(), told_only=True) > UNEXPLAINED
 
 
 def _normalised(misfit: Misfit, told_only: bool) -> float:

@@ -72,12 +72,14 @@ class Fit:
             `rating` (ISO/TS 18571), `independent_samples`.
         expected_rmse: what the right model would leave in runs that it was not fitted to, where that was asked.
         untold: the number that makes it so much, by path.
+        together_rmse: what the model leaves in all runs once it is fitted to these as well, where that was asked.
     """
 
     normalised_rmse: float
     channels: xr.Dataset
     expected_rmse: float = math.nan
     untold: str = ""
+    together_rmse: float = math.nan
 
 
 @frozen

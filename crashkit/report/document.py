@@ -50,7 +50,8 @@ def _fit(fit: Fit | None) -> dict[str, object]:
         for index, channel in enumerate(names)
     }
     expected = {"expected_rmse": fit.expected_rmse, "untold": fit.untold} if fit.untold else {}
-    return {"normalised_rmse": fit.normalised_rmse, **expected, "channels": channels}
+    together = {} if math.isnan(fit.together_rmse) else {"together_rmse": fit.together_rmse}
+    return {"normalised_rmse": fit.normalised_rmse, **expected, **together, "channels": channels}
 
 
 def plain(value: object) -> object:

@@ -1,11 +1,13 @@
 """The answer: a verdict, findings with what they gain, and the curves behind them."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 import xarray as xr
 from attrs import evolve
 
 from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED
+from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.fitting.sharpen import ROUGHLY, weighed_alike
 from crashkit.diagnose.locate.consistency import by_run, check_instruments
 from crashkit.diagnose.name.look import Round
@@ -37,18 +39,25 @@ runs speak against: of 166 findings of unseen cases with at least 0.99, 97 % wer
 WORTH_TELLING = 1e-4
 
 
-def answer(workshop: Workshop, discovery: Discovery, given: Model, holdout: Mapping[str, xr.DataTree]) -> Diagnosis:
+def answer(
+    workshop: Workshop,
+    discovery: Discovery,
+    given: Model,
+    holdout: Mapping[str, xr.DataTree],
+    together: Search | None = None,
+) -> Diagnosis:
     """What a discovery says of the runs that were fitted, and of those held out.
 
     Arguments:
         workshop: with the steps that the recordings need.
         given: the model as the user believes it.
         holdout: runs that are only predicted, by name.
+        together: what was found, fitted to them as well, where that was asked.
     """
     base, final = discovery.base, discovery.final
     equipped = workshop.equipped([base.model, final.model])
     unseen = tuple(weighed_alike(equipped.first_misfit(m.model, holdout), base) for m in (base, final)) if holdout else ()
-    fits, curves = _compared(base, final, unseen)
+    fits, curves = _compared(base, final, unseen, together)
     result = discovery.search.result()
     explains = not _leaves_something(fits["calibration"]["after"], final)
     belief = BELIEVED if explains and not is_misleading(fits["holdout"]) else INCOMPLETE
@@ -74,7 +83,9 @@ def answer(workshop: Workshop, discovery: Discovery, given: Model, holdout: Mapp
     )
 
 
-def _compared(base: Misfit, final: Misfit, unseen: tuple[Misfit, ...]) -> tuple[dict[str, dict[str, Fit]], xr.DataTree]:
+def _compared(
+    base: Misfit, final: Misfit, unseen: tuple[Misfit, ...], together: Search | None
+) -> tuple[dict[str, dict[str, Fit]], xr.DataTree]:
     sets = {"calibration": (base, final)} | ({"holdout": unseen} if unseen else {})
     fits: dict[str, dict[str, Fit]] = {"calibration": {}, "holdout": {}}
     curves: dict[str, xr.Dataset] = {}
@@ -84,7 +95,9 @@ def _compared(base: Misfit, final: Misfit, unseen: tuple[Misfit, ...]) -> tuple[
         curves |= curves_of(pair[0], pair[1], predictions, holdout=name == "holdout")
     if unseen:
         expected, untold = foretold(final, unseen[1], ROUGHLY)
-        fits["holdout"]["after"] = evolve(fits["holdout"]["after"], expected_rmse=expected, untold=untold)
+        all_runs = together.normalised if together else math.nan
+        after = evolve(fits["holdout"]["after"], expected_rmse=expected, untold=untold, together_rmse=all_runs)
+        fits["holdout"]["after"] = after
     return fits, xr.DataTree.from_dict(curves)
 
 

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from crashkit.diagnose.fitting.evidence import UNEXPLAINED
 from crashkit.diagnose.result import Fit
 from crashkit.misfit import Group, Misfit
 from crashkit.misfit.predictor import Prediction
@@ -52,9 +53,14 @@ def is_beyond(fits: Mapping[str, Fit]) -> bool:
     return fits["after"].normalised_rmse > BEYOND * fits["after"].expected_rmse
 
 
+def is_explained(fits: Mapping[str, Fit]) -> bool:
+    """Whether other values of the same model explain the held-out runs as well as the fitted ones."""
+    return fits["after"].together_rmse < UNEXPLAINED
+
+
 def is_misleading(fits: Mapping[str, Fit]) -> bool:
-    """Whether both are so."""
-    return bool(fits) and is_worse(fits) and is_beyond(fits)
+    """Whether the held-out runs are predicted worse, and beyond, and no other values are known to explain them."""
+    return bool(fits) and is_worse(fits) and is_beyond(fits) and not is_explained(fits)
 
 
 def curves_of(

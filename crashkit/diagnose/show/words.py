@@ -10,7 +10,7 @@ from attrs import evolve
 from crashkit.diagnose.fitting.evidence import FLOOR
 from crashkit.diagnose.name.rounds import Discovery
 from crashkit.diagnose.result import Diagnosis, Estimate, Finding, Fit, place_of
-from crashkit.diagnose.show.fits import is_beyond, is_worse
+from crashkit.diagnose.show.fits import is_beyond, is_explained, is_worse
 from crashkit.model import Model, Parameter
 from crashkit.protocols import Identification
 
@@ -96,7 +96,9 @@ def of_prediction(fits: Mapping[str, Fit]) -> list[str]:
         sentences.append(
             "The held-out runs are predicted worse than before: do not trust this outside the runs that were fitted."
         )
-    if is_beyond(fits):
+    if is_explained(fits):
+        sentences.append(_told_by_all_runs(fits["after"]))
+    elif is_beyond(fits):
         sentences.append(
             f"Of the right model about {expected:.2f} times the noise is to be expected there: a law has another form than "
             "the model says, or something is missing."
@@ -107,6 +109,14 @@ def of_prediction(fits: Mapping[str, Fit]) -> list[str]:
             f"is mostly {fits['after'].untold}."
         )
     return sentences
+
+
+def _told_by_all_runs(fit: Fit) -> str:
+    most = f", mostly {fit.untold}" if fit.expected_rmse > FLOOR else ""
+    return (
+        f"Fitted to these as well, the same model explains all runs ({fit.together_rmse:.2f} times the noise): nothing else "
+        f"is missing, but the fitted runs alone do not tell all of its numbers{most}."
+    )
 
 
 def cut_short(diagnosis: Diagnosis, seconds: float) -> Diagnosis:

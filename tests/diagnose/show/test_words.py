@@ -47,6 +47,33 @@ def test_a_prediction_is_told_with_what_can_be_expected_of_it(before, after, exp
 
 
 @pytest.mark.parametrize(
+    ("expected", "together", "told"),
+    [
+        (
+            13.0,
+            1.01,
+            "explains all runs (1.01 times the noise): nothing else is missing, but the fitted runs alone do not tell all "
+            "of its numbers, mostly beta.",
+        ),
+        (1.01, 1.01, "the fitted runs alone do not tell all of its numbers."),
+        (1.01, 2.3, "a law has another form than the model says, or something is missing"),
+        (13.0, 2.3, "a law has another form than the model says, or something is missing"),
+    ],
+)
+def test_runs_that_other_values_explain_do_not_speak_against_the_model(expected, together, told):
+    """What they were fitted together with leaves next to nothing of all."""
+    fits = {"before": Fit(20.0, xr.Dataset()), "after": Fit(18.8, xr.Dataset(), expected, "beta", together)}
+    (sentence,) = of_prediction(fits)
+    assert told in sentence
+
+
+@pytest.mark.parametrize(("together", "misleads"), [(1.01, False), (2.3, True), (math.nan, True)])
+def test_what_other_values_would_predict_is_believed(together, misleads):
+    fits = {"before": Fit(3.0, xr.Dataset()), "after": Fit(9.0, xr.Dataset(), 1.6, "beta", together)}
+    assert is_misleading(fits) is misleads
+
+
+@pytest.mark.parametrize(
     ("before", "after", "expected", "misleads"),
     [(3.0, 9.0, 1.6, True), (3.0, 9.0, 30.0, False), (3.0, 2.9, 1.6, False), (3.0, 9.0, math.nan, False)],
 )
