@@ -32,6 +32,8 @@ FADING = 0.7
 """Logarithm by which each fold may be lower: what loses more than half with every fold does not repeat either."""
 SKEW = 0.1
 """To start from: without skew, folds are a sine, which has no derivative to it."""
+POINTED = 0.5
+"""The same of crests, of which a triangle has 1 and a blunt fold less than 0."""
 PHASES = (0.0, -1 / 3, 1 / 3)
 """Where in a fold the first begins, likewise."""
 
@@ -78,7 +80,8 @@ class PeakLoad(Hypothesis):
 
 
 class ProgressiveFolding(Hypothesis):
-    """F = F_law + a force that oscillates with deformation: a sine, or folds of any shape, that get shorter, longer, lower."""
+    """F = F_law + a force that oscillates with deformation: a sine, or folds of any shape, that get shorter, longer, lower; or
+    with pointed or blunt crests."""
 
     physics: ClassVar[str] = "progressive_folding"
     sentence: ClassVar[str] = "the force of {place} oscillates with deformation: it folds progressively"
@@ -102,6 +105,8 @@ class ProgressiveFolding(Hypothesis):
             "shortening": Parameter(0.0, -0.3, 0.5),
             "weakening": Parameter(0.01, 0.0, FADING),
         }
+        pointed = {**shaped, "pointedness": Parameter(POINTED, -50.0, 0.99)}
+        del pointed["arch"]
         begin = min(plateau, LATEST * reached)
         lengths = [(reached - begin) / number for number in FOLDS]
         starts = [{"fold_length": one, "onset": max(0.0, begin + phase * one)} for phase in PHASES for one in lengths]
@@ -109,6 +114,10 @@ class ProgressiveFolding(Hypothesis):
         return [
             added(model, joint, Effect(self.physics, "sine", "folding", folds, "amplitude", starts)),
             added(model, joint, Effect(self.physics, "shaped", "folding", shaped, "amplitude", of_one_phase)),
+            evolve(
+                added(model, joint, Effect(self.physics, "pointed", "folding", pointed, "amplitude", of_one_phase)),
+                refined=True,
+            ),
         ]
 
 

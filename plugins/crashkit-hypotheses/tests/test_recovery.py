@@ -245,6 +245,11 @@ def skewed(model):
     return folding(model, skew=0.7, shortening=0.02, weakening=0.1)
 
 
+def zigzagging(model):
+    """Folds like a triangle, as a table of straight lines would have them."""
+    return folding(model, pointedness=0.98)
+
+
 def cargo(model):
     """A load that slides in the rear until it hits what stops it."""
     loaded = with_body(model, evolve(model.body("rear"), name="cargo", mass=Parameter(60.0, fixed=True), carrier="rear"))
@@ -532,6 +537,10 @@ CASES = {
     skewed: (
         ("progressive_folding", "shaped", {"joint": "first"}),
         {"amplitude": 8e3, "fold_length": 0.3, "skew": 0.7, "shortening": 0.02, "weakening": 0.1},
+    ),
+    zigzagging: (
+        ("progressive_folding", "pointed", {"joint": "first"}),
+        {"amplitude": 8e3, "fold_length": 0.3, "pointedness": 0.98},
     ),
     cargo: (("carried_load", "sliding", {"body": "rear"}), {"mass": 60.0, "slack": 0.03, "friction_force": 300.0}),
     belted: (("carried_load", "stiffening", {"body": "rear"}), {"mass": 300.0, "slack": 0.05, "stiffening": 40.0}),

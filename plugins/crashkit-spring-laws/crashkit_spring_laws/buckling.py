@@ -148,13 +148,15 @@ class DippingPeak(SpringLaw):
 
 
 class Folding(SpringLaw):
-    """Folds that form one after another: A exp(-weakening t) atan(k sin v / (1 - k cos v)) / asin k, 0 before the onset.
+    """Folds that form one after another: A exp(-weakening t) asin(s sqrt p) / asin(sqrt p), 0 before the onset.
 
-    With the skew k and v = w + arch (cos w - 1): a sine for k = 0, and near 1 a saw, the sum of k^n sin(n v) / n. There
-    t = max(0, d_max - onset) / fold_length and w = 2 pi t (1 + shortening t). Folds that get longer, g = -2 shortening > 0,
-    have w = 2 pi ln(1 + g t) / g, and a height lower by 1 + g t, so that each takes up as much. It depends on the largest
-    deformation, and is released to 0 along a slope that no fold exceeds, A exp(-weakening t) (K (1 + arch) dw + (weakening +
-    g) dt) / dd_max with K = |k| / (1 - |k|) / asin |k|.
+    With the skew k, v = w + arch (cos w - 1) and s = atan(k sin v / (1 - k cos v)) / asin k: a sine for k = 0, and near 1 a
+    saw, the sum of k^n sin(n v) / n. With the pointedness p near 1 a sine becomes a triangle; below 0, where the same series
+    is asinh(s sqrt(-p)) / asinh(sqrt(-p)), it is blunt; for p = 0 a fold is s. There t = max(0, d_max - onset) / fold_length
+    and w = 2 pi t (1 + shortening t). Folds that get longer, g = -2 shortening > 0, have w = 2 pi ln(1 + g t) / g, and a
+    height lower by 1 + g t, so that each takes up as much. It depends on the largest deformation, and is released to 0 along
+    a slope that no fold exceeds, A exp(-weakening t) (K (1 + arch) dw + (weakening + g) dt) / dd_max with K = |k| /
+    (1 - |k|) / asin |k|, times sqrt(-p) / asinh(sqrt(-p)) where they are blunt.
     """
 
     name = "folding"
@@ -172,6 +174,9 @@ class Folding(SpringLaw):
         ParameterSpec(
             "weakening", "1", "of the folds: by which each is lower, as a logarithm", 0.0, 3.0, default=0.0, null=0.0
         ),
+        ParameterSpec(
+            "pointedness", "1", "of a fold: near 1 a triangle, below 0 blunt (p)", -50.0, 0.99, default=0.0, null=0.0
+        ),
     )
 
     @staticmethod
@@ -186,6 +191,7 @@ class Folding(SpringLaw):
         arch: float,
         shortening: float,
         weakening: float,
+        pointedness: float,
     ) -> float:
         """The force, N, compression positive."""
         turns = max(0.0, d_max - onset) / fold_length
@@ -201,6 +207,14 @@ class Folding(SpringLaw):
         else:
             crest = math.sin(phase)
             steepest = 1.0
+        if pointedness > 1e-12:
+            root = math.sqrt(pointedness)
+            crest = math.asin(root * crest) / math.asin(root)
+        elif pointedness < -1e-12:
+            root = math.sqrt(-pointedness)
+            whole = math.log(root + math.sqrt(root * root + 1.0))
+            crest = math.log(root * crest + math.sqrt(root * root * crest * crest + 1.0)) / whole
+            steepest = steepest * root / whole
         steepest = steepest * (1.0 + arch) * (1.0 + 2.0 * max(0.0, shortening) * turns)
         release = (2.0 * math.pi * steepest + weakening + longer) / fold_length * (d_max - d)
         height = amplitude * math.exp(-weakening * turns) / (1.0 + longer * turns)

@@ -116,6 +116,8 @@ EXAMPLES = [
     (Folding, {"amplitude": 2e4, "fold_length": 0.3, "onset": 0.2}),
     (Folding, {"amplitude": 2e4, "fold_length": 0.2, "skew": 0.9, "arch": 0.4, "shortening": 0.1, "weakening": 0.3}),
     (Folding, {"amplitude": 2e4, "fold_length": 0.2, "skew": -0.4, "shortening": -0.1, "weakening": 0.05}),
+    (Folding, {"amplitude": 2e4, "fold_length": 0.2, "skew": 0.3, "weakening": 0.05, "pointedness": 0.9}),
+    (Folding, {"amplitude": 2e4, "fold_length": 0.2, "skew": 0.3, "weakening": 0.05, "pointedness": -20.0}),
     (SmoothTable, {"heights": [1e4, -2e4, 3e4], "reach": 0.6}),
     (RateTable, {"heights": [-1e4, 0.0, 2e4, 3e4], "reach": 10.0}),
     (RateCurve, {"rate_heights": [-0.4, 0.0, 0.2, 0.1], "rate_reach": 10.0}),
@@ -377,6 +379,21 @@ def test_folding_swings_about_nothing_and_lets_go():
     assert value(Folding, 0.25, **shape) == pytest.approx(-2e4)
     assert value(Folding, 0.05, **shape) == 0.0
     assert value(Folding, 0.1, d_max=0.15, **shape) == 0.0
+
+
+def test_folds_may_be_pointed_or_blunt():
+    """Near 1 a triangle; below 0 the mean of their height is larger than a sine's; on either side of 0 the same sine."""
+    x = np.linspace(0.0, 0.4, 401)
+
+    def folds(pointedness):
+        return np.array([value(Folding, d, amplitude=1.0, fold_length=0.2, pointedness=pointedness) for d in x])
+
+    sine = np.sin(2.0 * np.pi * x / 0.2)
+    assert folds(0.99) == pytest.approx(2.0 / np.pi * np.arcsin(sine), abs=0.05)
+    assert folds(1e-9) == pytest.approx(sine, abs=1e-6)
+    assert folds(-1e-9) == pytest.approx(sine, abs=1e-6)
+    heights = [np.mean(np.abs(folds(p))) for p in (0.9, 0.0, -5.0, -50.0)]
+    assert heights == sorted(heights)
 
 
 def test_folds_have_a_shape():
