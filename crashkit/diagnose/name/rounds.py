@@ -24,6 +24,8 @@ MOST_FINDINGS = 3
 HALF = 0.5
 """Of what is left above the noise: a claim that leaves more has hardly found its form. And of what one more finding explains:
 where those before it do that as well, it is none."""
+TENTH = 0.1
+"""Of what the findings explain: an estimate that explains less beside them imitates how far their forms are off."""
 TRACE = 0.003
 """Of what is left above the noise without a finding, or without any: no form of what is gross is quite right."""
 NEEDED = 100.0
@@ -190,9 +192,12 @@ def _corrects(winner: Rival, rounds: Sequence[Round]) -> bool:
 
 
 def _is_one_too_many(winner: Rival, rounds: Sequence[Round]) -> bool:
-    """Whether it is an estimate beside two findings that leaves something even so: two forms that are off look like a third
-    cause, and a table imitates them best."""
-    return len(rounds) == MOST_FINDINGS - 1 and is_unknown(winner) and winner.search.normalised > UNEXPLAINED
+    """Whether it is an estimate beside named findings that explains but a little beside them, or that is the third and leaves
+    something even so: forms that are off look like a further cause, and a table imitates them best."""
+    if not rounds or not is_unknown(winner):
+        return False
+    is_little = winner.drop < TENTH * sum(look.leader.drop for look in rounds)
+    return is_little or (len(rounds) == MOST_FINDINGS - 1 and winner.search.normalised > UNEXPLAINED)
 
 
 def is_estimated(rounds: Sequence[Round]) -> bool:

@@ -17,6 +17,7 @@ from crashkit.diagnose.name.rounds import (
     Discovery,
     _corrects,
     _freed,
+    _is_one_too_many,
     _was_asked,
     followed,
     leave_a_trace,
@@ -100,6 +101,20 @@ def test_a_table_corrects_a_law_that_was_named_at_its_place():
     assert not _corrects(rival("unknown", "rear"), named)
     assert not _corrects(rival("fracture", "front"), named)
     assert not _corrects(rival("unknown", "front"), [])
+
+
+@pytest.mark.parametrize(
+    ("physics", "drop", "told"), [("unknown", 99.0, False), ("unknown", 101.0, True), ("tension", 1.0, True)]
+)
+def test_an_estimate_beside_a_named_finding_must_explain_a_tenth_of_it(physics, drop, told):
+    """Less is how far the form of that is off. Alone an estimate is a finding like others."""
+    search = SimpleNamespace(normalised=1.0)
+    named = [
+        Round((Rival(Proposal("peak_load", "", {"joint": "front"}, None, (), {}), None, 1000.0, 50.0),), (1.0,), 0.0, None)
+    ]
+    winner = Rival(Proposal(physics, "", {"joint": "rear"}, None, (), {}), search, drop, 50.0)
+    assert _is_one_too_many(winner, named) is not told
+    assert not _is_one_too_many(winner, [])
 
 
 def leaving(physics, left):
