@@ -246,6 +246,14 @@ def test_functions_are_pasted(d, ddot):
     check(law_of(pasting, "a", "v", "v2"), (d, ddot, 1.7), (1.3, [0.1, 0.5], [0.4, 0.9]), 2, 2)
 
 
+def of_constants(d, ddot, d_max, a):
+    return a * (math.tanh(d) + math.tanh(1.5 * LIMIT))
+
+
+def test_a_function_of_constants_is_a_constant():
+    check(law_of(of_constants, "a"), (0.5, 0.0, 0.5), (2.0,))
+
+
 def iterating(d, ddot, d_max, v):
     total = 0.0
     for entry in v:

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from attrs import evolve
 
 from crashkit.diagnose.fitting.contest import identity
-from crashkit.diagnose.fitting.evidence import FLOOR, Rival, best_forms, is_unknown, ranked_by_evidence, rival_of
+from crashkit.diagnose.fitting.evidence import FLOOR, Rival, best_forms, explains, is_unknown, ranked_by_evidence, rival_of
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.imitate import imitating
@@ -24,7 +24,7 @@ def named_before_unknown(inquiry: Inquiry, look: Round) -> tuple[list[Round], Ro
     if table is None or not is_unknown(table):
         return [], look
     named = _named(inquiry, look, table)
-    if _beats(named.winner, table):
+    if _beats(named.winner, table) or _is_all(named.winner, table):
         return [], named
     if table.search.normalised < FLOOR:
         return [], look
@@ -62,6 +62,11 @@ def _beside(look: Round, without: Search, kept: tuple[str, str], found: Sequence
 
 def _beats(rival: Rival | None, table: Rival) -> bool:
     return rival is not None and not is_unknown(rival) and rival.search.deviance < table.search.deviance
+
+
+def _is_all(rival: Rival | None, table: Rival) -> bool:
+    """Whether nothing is left beside a named cause, which has fewer numbers than a table that leaves hardly less."""
+    return rival is not None and explains(rival.search) and rival.evidence > table.evidence
 
 
 def _named(inquiry: Inquiry, look: Round, table: Rival) -> Round:

@@ -209,7 +209,7 @@ class _Lowering(Branches):
         if name not in DERIVATIVES or len(values) != 1:
             self.source.refuse(node, f"`{ast.unparse(node)}`", f"{SUBSET}; of math: {', '.join(sorted(DERIVATIVES))}")
         argument = self.named(values[0], out)
-        return self.named(folded(ast.Call(ast.Attribute(name_of("math"), name), [argument], [])), out)
+        return self.named(folded(ast.Call(ast.Attribute(name_of("math"), name, ast.Load()), [argument], [])), out)
 
     def paste(self, node: ast.Call, function: FunctionType, arguments: list[ast.expr], out: Statements) -> ast.expr:
         """The value of a function of the author's own, whose statements go to `out`."""

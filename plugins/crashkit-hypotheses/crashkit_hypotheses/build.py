@@ -12,6 +12,7 @@ from crashkit.model.edit import fresh_name, with_factor, with_joint
 from crashkit.protocols import Proposal
 from crashkit.registry import load
 
+Table = Mapping[str, Parameter | tuple[Parameter, ...]]
 NEVER_TURNS = 1e9
 """m2, moment of inertia over mass of a body that does not turn."""
 
@@ -33,7 +34,7 @@ class Effect:
     physics: str
     form: str
     law: str
-    parameters: Mapping[str, Parameter | tuple[Parameter, ...]]
+    parameters: Table
     amplitude: str
     starts: Sequence[Mapping[str, float]] = field(default=({},))
     null: float | None = field(default=0.0)

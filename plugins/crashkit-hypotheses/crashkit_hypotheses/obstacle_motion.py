@@ -14,8 +14,8 @@ from crashkit_hypotheses.sizes import largest_force
 
 LIGHT, HEAVY = 0.05, 1e3
 """Masses that an obstacle may have, in masses of what runs into it: a wall of a hundred still leaves a trace."""
-NEVER = 1e3
-"""m, a deformation out of reach."""
+NEVER, AT_ONCE = 1e3, 1e-4
+"""m, a deformation out of reach, and one that is passed before the elastic limit."""
 SLIP_RATE = 0.1
 """m s-1, at which sliding is established, unless that is sought too: the slower, the more steps a light obstacle costs."""
 
@@ -24,7 +24,7 @@ Parameters = Mapping[str, Parameter]
 
 class ObstacleMotion(Hypothesis):
     """A fixed body has a mass M, and is held by nothing, by dry friction f sign(v), by a spring k u and a dashpot c v, by
-    both, or by what it crushes."""
+    both, or by what it crushes, on a plateau or on a rising line."""
 
     physics: ClassVar[str] = "obstacle_motion"
     sentence: ClassVar[str] = "{place} is no rigid obstacle: it yields or moves"
@@ -50,7 +50,11 @@ def _holds(
     """Only on a line can a joint hold a body from behind, where a load cell does not feel it."""
     groups = [group.to_dataset(inherit=False) for recording in recordings for group in recording.children.values()]
     is_weighed = any("force" in group and name in group["sensor_body"].values for group in groups)
-    return () if is_weighed and len(model.axes) > 1 else (_sliding, _sliding_slowly, _sprung, _sprung_and_sliding, _crushing)
+    return (
+        ()
+        if is_weighed and len(model.axes) > 1
+        else (_sliding, _sliding_slowly, _sprung, _sprung_and_sliding, _crushing, _hardening)
+    )
 
 
 def _push(model: Model, motion: Sequence[xr.Dataset], name: str) -> float:
@@ -117,6 +121,20 @@ def _crushing(model: Model, name: str, mass: float, force: float) -> Proposal:
     }
     starts = _starts(mass, "elastic_stiffness", force, ((0.5, 50.0), (5.0, 50.0), (5.0, 500.0)))
     return _moving(model, name, "crushing", mass, "crush_plateau", base, starts)
+
+
+def _hardening(model: Model, name: str, mass: float, force: float) -> Proposal:
+    """A post in soil, or a face of honeycomb: beyond its elastic limit the force rises on, and a dashpot stands beside it."""
+    base = {
+        "elastic_stiffness": Parameter(20.0 * force, force, 1e4 * force),
+        "crush_force": Parameter(0.7 * force, 1e-2 * force, 10.0 * force),
+        "densification_deformation": Parameter(AT_ONCE, fixed=True),
+        "densification_stiffness": Parameter(2.0 * force, 1e-2 * force, 1e4 * force),
+        "unloading_stiffness": Parameter(200.0 * force, force, 1e5 * force),
+        "damping": Parameter(0.0, 0.0, 10.0 * force),
+    }
+    starts = _starts(mass, "elastic_stiffness", force, ((0.1, 50.0), (0.5, 50.0), (5.0, 50.0), (5.0, 500.0)))
+    return evolve(_moving(model, name, "hardening", mass, "crush_plateau | viscous", base, starts), refined=True)
 
 
 def _starts(mass: float, name: str, force: float, shares: Sequence[tuple[float, float]]) -> list[dict[str, float]]:

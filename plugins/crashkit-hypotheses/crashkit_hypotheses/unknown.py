@@ -1,6 +1,6 @@
 """A force that no known physics explains, estimated from the recordings as a smooth law."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -9,7 +9,7 @@ from attrs import evolve
 
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import Effect, at_a_distance, between, driven, grounded, linked, multiplied, parallel
+from crashkit_hypotheses.build import Effect, Table, at_a_distance, between, driven, grounded, linked, multiplied, parallel
 from crashkit_hypotheses.sizes import (
     approaching,
     compressed,
@@ -20,8 +20,6 @@ from crashkit_hypotheses.sizes import (
     largest_rate,
     largest_travel,
 )
-
-Table = Mapping[str, Parameter | tuple[Parameter, ...]]
 
 KNOTS = 24
 LINKED = "deformation of"

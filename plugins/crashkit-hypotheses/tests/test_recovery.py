@@ -377,6 +377,12 @@ def sprung(model):
     return grounded(released(model, 500.0), "tie", fixed(stiffness=4e5, damping=2e3, slack=0.0, holds=1.0))
 
 
+def in_soil(model):
+    """A post that yields at 30 kN, and goes on to be held more."""
+    soil = fixed(elastic_stiffness=6e5, crush_force=3e4, densification_deformation=1e-4, densification_stiffness=8e4)
+    return grounded(released(model, 500.0), "crush_plateau | viscous", {**soil, **fixed(unloading_stiffness=2e6, damping=2e3)})
+
+
 def dragging(model):
     """Something under the rear touches the ground after 0.8 m."""
     ground = Body("ground", (100.0,), (0.0,), fixed=True)
@@ -570,6 +576,10 @@ CASES = {
     pulling: (("tension", "own line, to a limit", {"joint": "second"}), {"tension_force": 1.5e4}),
     sliding: (("obstacle_motion", "sliding", {"body": "wall"}), {"mass": 2500.0, "friction_force": 2.5e4}),
     pushed_away: (("obstacle_motion", "free", {"body": "wall"}), {"mass": 4e3}),
+    in_soil: (
+        ("obstacle_motion", "hardening", {"body": "wall"}),
+        {"crush_force": 3e4, "densification_stiffness": 8e4},
+    ),
     sprung: (("obstacle_motion", "sprung", {"body": "wall"}), {"mass": 500.0, "stiffness": 4e5, "damping": 2e3}),
     dragging: (("ground_friction", "later", {"body": "rear"}), {"friction_force": 4e3, "clearance": 0.8}),
     clipping: (("saturation", "limit", {"sensor": "rear_sensor"}), {"saturation": 45.0}),

@@ -18,7 +18,14 @@ from crashkit_spring_laws.gradual_loss import (
 from crashkit_spring_laws.hysteresis import BoucWen
 from crashkit_spring_laws.measured_curve import MeasuredCurve
 from crashkit_spring_laws.piecewise_affine import PiecewiseAffine
-from crashkit_spring_laws.rate_factors import RateEyring, RateLinear, RateLogarithm, RatePower, RateSaturating
+from crashkit_spring_laws.rate_factors import (
+    RateEyring,
+    RateLinear,
+    RateLogarithm,
+    RatePower,
+    RateRising,
+    RateSaturating,
+)
 from crashkit_spring_laws.relaxation import Maxwell, QuasiLinear
 from crashkit_spring_laws.stops import (
     CrushStop,
@@ -47,6 +54,7 @@ SPRING_LAWS = (
     RateLogarithm,
     RateSaturating,
     RateEyring,
+    RateRising,
     Viscous,
     ViscousPower,
     Coulomb,
@@ -123,6 +131,7 @@ __all__ = [
     "RateLinear",
     "RateLogarithm",
     "RatePower",
+    "RateRising",
     "RateSaturating",
     "RateTable",
     "Rubbing",

@@ -85,6 +85,30 @@ class RateSaturating(SpringLaw):
         return 1.0 + rate_amplitude * rate / (1.0 + rate**limit_sharpness) ** (1.0 / limit_sharpness)
 
 
+class RateRising(SpringLaw):
+    """A rise with the rate while loading that is given in steps, each smooth: any curve that does not fall.
+
+    1 + sum_i rises[i] (s_i(ddot) - s_i(0)), s_i = tanh(1.5 (n ddot / rising_reach - i - 1/2)) / 2 for n rises; about flat
+    beyond rising_reach.
+    """
+
+    name = "rate_rising"
+    unit = "1"
+    parameters = (
+        ParameterSpec("rises", "1", "relative rise of the force in each step", lower=0.0, vector=True, null=0.0),
+        ParameterSpec("rising_reach", "m s-1", "rate that the steps cover", lower=1e-3, free=False),
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, rises: list[float], rising_reach: float) -> float:
+        """The factor."""
+        place = max(0.0, ddot) / rising_reach * len(rises)
+        total = 1.0
+        for i, rise in enumerate(rises):
+            total = total + 0.5 * rise * (math.tanh(1.5 * (place - i - 0.5)) + math.tanh(1.5 * (i + 0.5)))
+        return total
+
+
 class RateEyring(SpringLaw):
     """A rise with the logarithm of the rate, and a fall on the way back: max(0, 1 + A asinh(ddot / r)), after Eyring (1936).
 

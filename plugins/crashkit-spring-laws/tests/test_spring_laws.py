@@ -45,6 +45,7 @@ from crashkit_spring_laws import (
     RateLinear,
     RateLogarithm,
     RatePower,
+    RateRising,
     RateSaturating,
     RateTable,
     ResidualSet,
@@ -88,6 +89,7 @@ EXAMPLES = [
     (RateSaturating, {"rate_amplitude": 0.4, "reference_rate": 2.0}),
     (RateSaturating, {"rate_amplitude": 0.4, "reference_rate": 2.0, "limit_sharpness": 3.0}),
     (RateEyring, {"rate_amplitude": 0.1, "reference_rate": 0.5}),
+    (RateRising, {"rises": [0.0, 0.2, 0.1], "rising_reach": 5.0}),
     (Viscous, {"damping": 3e3, "clearance": 0.1}),
     (Coulomb, {"friction_force": 5e3}),
     (Coulomb, {"friction_force": 5e3, "slip_rate": 0.5, "always": 0.0, "clearance": 0.1}),
@@ -312,6 +314,12 @@ def test_rate_factors():
     assert limited == pytest.approx([1.0, 1.2, 1.4])
     both_ways = [value(RateEyring, 0.1, ddot=rate, rate_amplitude=0.1, reference_rate=0.5) for rate in (-3.0, 3.0, -1e9)]
     assert both_ways == pytest.approx([1.0 - 0.1 * math.asinh(6.0), 1.0 + 0.1 * math.asinh(6.0), 0.0])
+
+
+def test_a_factor_may_rise_in_steps():
+    """Not at rest, nor on the way back; behind the last step by all of them together; one step alone about its middle."""
+    rising = [value(RateRising, 0.1, ddot=rate, rises=[0.0, 0.3, 0.0], rising_reach=6.0) for rate in (-3.0, 0.0, 3.0, 60.0)]
+    assert rising == pytest.approx([1.0, 1.0, 1.0 + 0.15 * math.tanh(2.25), 1.0 + 0.15 * (1.0 + math.tanh(2.25))])
 
 
 @pytest.mark.parametrize("rate", [0.01, 0.3, 5.0])

@@ -28,12 +28,13 @@ def named(monkeypatch, inquiry):
     """What stands in the place of a round that a table won, where later looks are these, a claim alone fits so well, and the
     best named cause in its best form so well."""
 
-    def ask(look, later, alone=3000.0, formed=None, imitation=None):
+    def ask(look, later, alone=3000.0, formed=None, imitation=None, is_all=False):
         def better(rounds):
             found = rival(rounds[0].leader.proposal.physics, formed) if formed else rounds[0].leader
             return [evolve(rounds[0], rivals=(found, *rounds[0].rivals[1:]))]
 
         looks = iter(later)
+        monkeypatch.setattr(pairs, "explains", lambda search: is_all)
         imitations = [("fracture", imitation)] if imitation else []
         monkeypatch.setattr(pairs, "imitating", lambda *_: imitations)
         monkeypatch.setattr(pairs, "ranked_by_evidence", lambda found, reference: [rival(*one) for one in found])
@@ -86,6 +87,16 @@ def test_one_named_cause_that_fits_better_once_it_has_its_best_form(named, norma
 def test_a_table_at_the_noise_is_believed(named):
     look = won_by(rival(UNKNOWN, 1000.0, normalised=1.0), rival("fracture", 2000.0))
     assert named(look, [], formed=1010.0) == ([], UNKNOWN)
+
+
+@pytest.mark.parametrize(
+    ("is_all", "credit", "told"), [(True, 0.98, "fracture"), (False, 0.98, UNKNOWN), (True, 1.0, UNKNOWN)]
+)
+def test_a_cause_beside_which_nothing_is_left_needs_not_fit_better(named, is_all, credit, told):
+    """If it is more evident; a table has more numbers and leaves a little less."""
+    table = rival(UNKNOWN, 1000.0, normalised=1.0)
+    table = evolve(table, evidence=credit * table.evidence)
+    assert named(won_by(table, rival("fracture", 2000.0)), [], formed=1010.0, is_all=is_all) == ([], told)
 
 
 def test_a_cause_that_imitates_the_table_and_fits_better_comes_first(named):
