@@ -28,26 +28,34 @@ SLOWEST = 0.5
 
 
 class ViscousDamping(Hypothesis):
-    """F = F_law + c ddot, F_law + c ddot |ddot|^(n - 1), or another c on the way back; while compressed, at all times, or in
-    a joint that only pushes."""
+    """F = F_law + c ddot, F_law + c ddot |ddot|^(n - 1), or another c on the way back or from some rate on; while compressed,
+    at all times, or in a joint that only pushes."""
 
     physics: ClassVar[str] = "viscous_damping"
     sentence: ClassVar[str] = "{place} is damped: part of its force opposes the deformation rate and grows with it"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every joint that is compressed."""
-        return [form for joint in compressed(model, motion) for form in self._forms(model, joint)]
+        return [form for joint in compressed(model, motion) for form in self._forms(model, joint, motion)]
 
-    def _forms(self, model: Model, joint: Joint) -> list[Proposal]:
+    def _forms(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
+        fastest = max(largest_rate(motion, joint.name), SLOWEST)
         damping = {"damping": Parameter(0.0, 0.0, 1e7)}
         exponent = {**damping, "exponent": Parameter(0.7, 0.2, 3.0)}
         rebound = {**damping, "exponent": Parameter(1.0, 0.2, 3.0), "rebound": Parameter(1.0, 0.0, 10.0)}
+        opening = {
+            **damping,
+            "knee_rate": Parameter(0.3 * fastest, 0.01 * fastest, fastest),
+            "beyond": Parameter(0.5, 0.0, 5.0),
+        }
         linear = Effect(self.physics, "linear", "viscous", damping, "damping")
         power = Effect(self.physics, "power", "viscous_power", exponent, "damping", grid(exponent=(0.6, 2.0)))
         two_way = Effect(self.physics, "two-way", "viscous_power", rebound, "damping", grid(rebound=(0.4, 2.5)))
+        starts = grid(knee_rate=(0.15 * fastest, 0.4 * fastest))
+        knee = Effect(self.physics, "with a knee", "viscous_knee", opening, "damping", starts)
         plain = [parallel(model, joint, effect) for effect in (linear, power, _always(power))]
-        fine = [parallel(model, joint, effect) for effect in (two_way, _always(two_way))]
-        only = [evolve(effect, form=f"{effect.form}, only pushing") for effect in (linear, power, two_way)]
+        fine = [parallel(model, joint, effect) for effect in (two_way, _always(two_way), knee)]
+        only = [evolve(effect, form=f"{effect.form}, only pushing") for effect in (linear, power, two_way, knee)]
         pushing = [form for effect in only for form in pushing_beside(model, joint, effect)]
         return [*plain, *pushing[:1], *(evolve(form, refined=True) for form in (*fine, *pushing[1:]))]
 

@@ -18,7 +18,7 @@ STRETCHED = 1e-4
 
 class Tension(Hypothesis):
     """The joint's own lines go on below F = 0, without end or to a limit; or F = F_law + k min(0, d + slack), which
-    may yield; or a hook latches as it is crushed: F = F_law - P max(0, (d_max - d - play) / way)^n."""
+    may yield; or a hook latches as it is crushed, which may yield too: F = F_law - P max(0, (d_max - d - play) / way)^n."""
 
     physics: ClassVar[str] = "tension"
     sentence: ClassVar[str] = "{place} also pulls"
@@ -37,7 +37,7 @@ class Tension(Hypothesis):
                 proposals += self._straps(model, joint, stretch, largest_force(motion, joint.name))
             recoil = largest_recoil(motion, joint.name)
             if _only_pushes(joint) and recoil > STRETCHED:
-                proposals.append(self._hook(model, joint, recoil))
+                proposals += self._hooks(model, joint, recoil, largest_force(motion, joint.name))
         return proposals
 
     def _limited(self, model: Model, joint: Joint, largest: float) -> list[Proposal]:
@@ -58,15 +58,19 @@ class Tension(Hypothesis):
         yields = Effect(self.physics, "strap, yielding", "yielding_strap", strap | limit, "stiffness", starts)
         return [parallel(model, joint, straight), evolve(parallel(model, joint, yields), refined=True)]
 
-    def _hook(self, model: Model, joint: Joint, recoil: float) -> Proposal:
+    def _hooks(self, model: Model, joint: Joint, recoil: float, largest: float) -> list[Proposal]:
         hook = {
             "pull_force": Parameter(0.0, 0.0, 1e7),
             "play": Parameter(0.0, 0.0, recoil),
             "pull_exponent": Parameter(1.0, 1.0, 4.0),
             "way": Parameter(0.1 * recoil, fixed=True),
         }
+        most = max(largest, 1.0)
+        limit = {"pull_limit": Parameter(0.2 * most, 1e-3 * most, 2.0 * most)}
         starts = grid(play=(0.1 * recoil, 0.4 * recoil))
-        return parallel(model, joint, Effect(self.physics, "hook", "hook", hook, "pull_force", starts))
+        plain = parallel(model, joint, Effect(self.physics, "hook", "hook", hook, "pull_force", starts))
+        yields = parallel(model, joint, Effect(self.physics, "hook, yielding", "hook", hook | limit, "pull_force", starts))
+        return [plain, evolve(yields, refined=True)]
 
 
 def _only_pushes(joint: Joint) -> bool:

@@ -279,6 +279,18 @@ def hooked(model):
     return with_joint(model, Joint("hook", model.joint("second").bodies, "hook", hook))
 
 
+def coupled(model):
+    """The same, but the hook yields."""
+    hook = fixed(pull_force=1e4, play=0.03, way=0.02, pull_limit=1.5e4)
+    return with_joint(model, Joint("hook", model.joint("second").bodies, "hook", hook))
+
+
+def valved(model):
+    """A shock absorber whose valve opens at 0.5 m/s."""
+    valve = fixed(damping=8e3, knee_rate=0.5, beyond=0.2)
+    return with_joint(model, Joint("absorber", ("wall", "front"), "viscous_knee", valve))
+
+
 def stiffening(model):
     """An exponential wall in the loading curve of the first joint."""
     first, wall = model.joint("first"), fixed(force=2e3, stop_deformation=0.6, growth_way=0.25)
@@ -552,6 +564,8 @@ CASES = {
     belted: (("carried_load", "stiffening", {"body": "rear"}), {"mass": 300.0, "slack": 0.05, "stiffening": 40.0}),
     strapped: (("carried_load", "strap", {"body": "rear"}), {"mass": 300.0, "slack": 0.05, "loss": 0.6}),
     hooked: (("tension", "hook", {"joint": "second"}), {"play": 0.03, "pull_exponent": 2.0}),
+    coupled: (("tension", "hook, yielding", {"joint": "second"}), {"play": 0.03, "pull_limit": 1.5e4}),
+    valved: (("viscous_damping", "with a knee", {"joint": "first"}), {"damping": 8e3, "knee_rate": 0.5, "beyond": 0.2}),
     stiffening: (("bottoming", "exponential", {"joint": "first"}), {}),
     curving: (("bottoming", "power", {"joint": "first"}), {"stop_deformation": 0.4, "exponent": 3.0}),
     belted_in: (("tension", "strap, yielding", {"joint": "second"}), {"yield_force": 5e3, "corner": 2.0}),
@@ -612,6 +626,7 @@ LATE = {
     belted,
     strapped,
     hooked,
+    coupled,
     pulling,
     relaxing_twice,
     stopped,

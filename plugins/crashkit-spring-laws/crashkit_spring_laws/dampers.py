@@ -20,6 +20,30 @@ class Viscous(SpringLaw):
         return damping * ddot * min(1.0, max(0.0, d - clearance) / engagement)
 
 
+class ViscousKnee(SpringLaw):
+    """A damper whose valve opens: F = c v up to the rate v_k, and on from there with a slope of `beyond` c.
+
+    Both ways, while in contact: F = c sign(ddot) (min(v, v_k) + beyond max(0, v - v_k)) min(1, max(0, d) / engagement) with
+    v = |ddot|.
+    """
+
+    name = "viscous_knee"
+    parameters = (
+        ParameterSpec("damping", "N s m-1", "force for a unit of rate, at low rates (c)", lower=0.0, null=0.0),
+        ParameterSpec("knee_rate", "m s-1", "rate at which the valve opens (v_k)", lower=1e-3),
+        ParameterSpec("beyond", "1", "slope from there on, relative to that before", lower=0.0, upper=10.0),
+        ENGAGEMENT,
+    )
+
+    @staticmethod
+    def force(
+        d: float, ddot: float, d_max: float, damping: float, knee_rate: float, beyond: float, engagement: float
+    ) -> float:
+        """The force, N, compression positive."""
+        slow = max(-knee_rate, min(knee_rate, ddot))
+        return damping * (slow + beyond * (ddot - slow)) * min(1.0, max(0.0, d) / engagement)
+
+
 class ViscousPower(SpringLaw):
     """A damper of any exponent: F = c ddot (ddot^2 + v^2)^((n - 1) / 2) max(tension, min(1, max(0, d) / engagement)).
 

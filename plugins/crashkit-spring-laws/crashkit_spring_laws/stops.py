@@ -212,7 +212,7 @@ class YieldingStrap(SpringLaw):
 class Hook(SpringLaw):
     """A hook that latches where its member was crushed to, and pulls on the way back.
 
-    F = -P (max(0, d_max - d - play) / way)^n
+    F = -P (max(0, d_max - d - play) / way)^n, at most `pull_limit`
     """
 
     name = "hook"
@@ -221,12 +221,25 @@ class Hook(SpringLaw):
         ParameterSpec("play", "m", "way back before it pulls", lower=0.0, default=0.0),
         ParameterSpec("pull_exponent", "1", "of the way beyond the play (n)", lower=1.0, upper=4.0, default=1.0),
         ParameterSpec("way", "m", "beyond the play, at which `pull_force` is meant", lower=1e-6, default=0.01, free=False),
+        ParameterSpec("pull_limit", "N", "at which it yields; omitted (0): never", lower=0.0, default=0.0, null=0.0),
     )
 
     @staticmethod
-    def force(d: float, ddot: float, d_max: float, pull_force: float, play: float, pull_exponent: float, way: float) -> float:
+    def force(
+        d: float,
+        ddot: float,
+        d_max: float,
+        pull_force: float,
+        play: float,
+        pull_exponent: float,
+        way: float,
+        pull_limit: float,
+    ) -> float:
         """The force, N, compression positive."""
         stretched = d_max - d - play
         if stretched <= 0.0:
             return 0.0
-        return -pull_force * (stretched / way) ** pull_exponent
+        pull = pull_force * (stretched / way) ** pull_exponent
+        if pull_limit > 0.0:
+            pull = min(pull, pull_limit)
+        return -pull

@@ -61,6 +61,7 @@ from crashkit_spring_laws import (
     TimeTable,
     UnloadingLoss,
     Viscous,
+    ViscousKnee,
     ViscousPower,
     YieldingStrap,
 )
@@ -91,6 +92,7 @@ EXAMPLES = [
     (RateEyring, {"rate_amplitude": 0.1, "reference_rate": 0.5}),
     (RateRising, {"rises": [0.0, 0.2, 0.1], "rising_reach": 5.0}),
     (Viscous, {"damping": 3e3, "clearance": 0.1}),
+    (ViscousKnee, {"damping": 3e3, "knee_rate": 1.0, "beyond": 0.2}),
     (Coulomb, {"friction_force": 5e3}),
     (Coulomb, {"friction_force": 5e3, "slip_rate": 0.5, "always": 0.0, "clearance": 0.1}),
     (Coulomb, {"friction_force": 5e3, "stick": 0.6, "stick_rate": 2.0}),
@@ -112,6 +114,7 @@ EXAMPLES = [
     (TensionSpring, {"stiffness": 1e6, "slack": 0.05}),
     (YieldingStrap, {"stiffness": 1e6, "slack": 0.05, "yield_force": 2e4, "corner": 3.0}),
     (Hook, {"pull_force": 2e4, "play": 0.02, "pull_exponent": 2.0}),
+    (Hook, {"pull_force": 2e4, "play": 0.02, "pull_exponent": 2.0, "pull_limit": 3e4}),
     (Peak, {"peak_force": 5e4, "peak_deformation": 0.1}),
     (Peak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_sharpness": 8.0}),
     (DippingPeak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": 0.05, "dip": 0.5, "recovery": 0.1}),
@@ -314,6 +317,19 @@ def test_rate_factors():
     assert limited == pytest.approx([1.0, 1.2, 1.4])
     both_ways = [value(RateEyring, 0.1, ddot=rate, rate_amplitude=0.1, reference_rate=0.5) for rate in (-3.0, 3.0, -1e9)]
     assert both_ways == pytest.approx([1.0 - 0.1 * math.asinh(6.0), 1.0 + 0.1 * math.asinh(6.0), 0.0])
+
+
+def test_a_damper_may_have_a_knee():
+    """Both ways, and not before it is in contact."""
+    valve = {"damping": 1000.0, "knee_rate": 2.0, "beyond": 0.25}
+    forces = [value(ViscousKnee, 0.1, ddot=rate, **valve) for rate in (-6.0, -1.0, 1.0, 6.0)]
+    assert forces == pytest.approx([-3000.0, -1000.0, 1000.0, 3000.0])
+    assert value(ViscousKnee, -0.1, ddot=6.0, **valve) == 0.0
+
+
+def test_a_hook_may_yield():
+    hook = {"pull_force": 1000.0, "play": 0.02, "pull_exponent": 2.0, "way": 0.01, "pull_limit": 2500.0}
+    assert [value(Hook, d, d_max=0.1, **hook) for d in (0.09, 0.07, 0.05)] == pytest.approx([0.0, -1000.0, -2500.0])
 
 
 def test_a_factor_may_rise_in_steps():
