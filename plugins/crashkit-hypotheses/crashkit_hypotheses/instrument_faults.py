@@ -15,8 +15,9 @@ Fault: TypeAlias = tuple[dict[str, Parameter], str, Sequence[Mapping[str, float]
 """The errors of a sensor, the one without which it is right, and where to start."""
 
 GAIN = Parameter(1.0, 0.2, 5.0)
-STEEPEST_FALL = -1.0 / 3.0
-"""Of a cubic term, over the square of the largest reading: with less, larger readings would be smaller ones."""
+STEEPEST_FALL, STEEPEST = -1.0 / 3.0, 0.5
+"""Of a cubic term over the square of the largest reading, and of a quadratic one over that reading: with more, larger readings
+would be smaller ones."""
 SHIFT = ("zero_shift", "zero_shift_time", "zero_shift_rise")
 MOMENTS = (0.1, 0.3, 0.6)
 """Shares of the time recorded at which the zero may shift, to start from."""
@@ -25,7 +26,8 @@ SLOW, SLOWEST = 0.03, 0.1
 
 
 class GainError(Hypothesis):
-    """recorded = g true, g other than 1, or g true + c (g true)^3, c above 0 or below: with g = 1 that saturates.
+    """recorded = g true, g other than 1; g true + c (g true)^3, c above 0 or below: with g = 1 that saturates; or g true +
+    q (g true)^2, which is more on one side than on the other.
 
     Along one axis a sensor that is tilted by an angle reads cos(angle) of the truth, and gravity, if that is not balanced out:
     else no recording of that axis alone tells the two apart.
@@ -46,14 +48,17 @@ class GainError(Hypothesis):
             for proposal in each_channel(self.physics, "constant", model, one, {"gain": GAIN}, "gain")
         ]
         bent = [one for one in accused(model, recordings, ["gain", "cubic"]) if one.largest > 0.0]
-        rising = [self._bent(model, one, "rising", 0.0, 1.0) for one in bent]
-        falling = [evolve(self._bent(model, one, "falling", STEEPEST_FALL, 0.0), refined=True) for one in bent]
-        return [*constant, *rising, *falling]
+        rising = [self._bent(model, one, "rising", "cubic", 0.0, 1.0 / one.largest**2) for one in bent]
+        falling = [self._bent(model, one, "falling", "cubic", STEEPEST_FALL / one.largest**2, 0.0) for one in bent]
+        uneven = [
+            self._bent(model, one, "uneven", "quadratic", -STEEPEST / one.largest, STEEPEST / one.largest)
+            for one in accused(model, recordings, ["gain", "quadratic"])
+            if one.largest > 0.0
+        ]
+        return [*constant, *rising, *(evolve(form, refined=True) for form in (*falling, *uneven))]
 
-    def _bent(self, model: Model, one: Accused, form: str, lowest: float, highest: float) -> Proposal:
-        scale = 1.0 / one.largest**2
-        errors = {"gain": GAIN, "cubic": Parameter(0.0, lowest * scale, highest * scale)}
-        return fault(self.physics, form, model, one, errors, "gain")
+    def _bent(self, model: Model, one: Accused, form: str, error: str, lowest: float, highest: float) -> Proposal:
+        return fault(self.physics, form, model, one, {"gain": GAIN, error: Parameter(0.0, lowest, highest)}, "gain")
 
 
 class Bias(Hypothesis):

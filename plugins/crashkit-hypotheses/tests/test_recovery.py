@@ -455,6 +455,11 @@ def understating(model):
     return with_error(model, "rear_sensor", gain=0.85, cubic=-1e-5)
 
 
+def lopsided(model):
+    """It reads more of what stops it than of what starts it."""
+    return with_error(model, "rear_sensor", gain=1.1, quadratic=-1.5e-3)
+
+
 def exaggerating(model):
     """The more it feels, the more of it it reads."""
     return with_error(model, "rear_sensor", gain=0.9, cubic=8e-6)
@@ -615,6 +620,7 @@ CASES = {
         {"saturation_knee": 45.0, "knee_sharpness": 5.0},
     ),
     understating: (("gain_error", "falling", {"sensor": "rear_sensor"}), {"gain": 0.85, "cubic": -1e-5}),
+    lopsided: (("gain_error", "uneven", {"sensor": "rear_sensor"}), {"gain": 1.1, "quadratic": -1.5e-3}),
     exaggerating: (("gain_error", "rising", {"sensor": "rear_sensor"}), {"gain": 0.9, "cubic": 8e-6}),
     gaining: (("clock_offset", "drift", {"instrument": "film"}), {"clock_offset": 1e-3, "clock_rate": 0.02}),
     drifting: (("bias", "drift", {"sensor": "rear_sensor"}), {"bias": 2.0, "bias_drift": 30.0}),
