@@ -11,6 +11,8 @@ from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import Effect, added, grid, parallel
 from crashkit_hypotheses.sizes import largest_deformation
 
+LOSS = 0.1
+"""s m-1, of a stop that is damped, to start from."""
 SHARES = (0.5, 0.7, 0.85, 0.95)
 PLAIN = ("line", "parabola", "locking", "line, both ways", "parabola, both ways")
 
@@ -18,7 +20,8 @@ PLAIN = ("line", "parabola", "locking", "line, both ways", "parabola, both ways"
 class Bottoming(Hypothesis):
     """F = F_law(d) + k x, + c x^2, + k x / (1 - x / l), + P (exp(x / l) - 1) or + P (x / l)^n, with x = max(0, d - e).
 
-    What stiffens is crushed, and unloads with the law, or is a stop beside it that gives back what it took.
+    What stiffens is crushed, and unloads with the law, or is a stop beside it that gives back what it took, or, as Hunt and
+    Crossley's, a part of that: P (x / l)^n max(0, 1 + c ddot).
     """
 
     physics: ClassVar[str] = "bottoming"
@@ -61,8 +64,10 @@ class Bottoming(Hypothesis):
             Effect(self.physics, "power", "power_stop", power, "force", starts),
         )
         crushed = [added(model, joint, stop) for stop in stops]
+        damped = Effect(self.physics, "damped", "hunt_crossley", power | {"loss": Parameter(LOSS, 0.0, 10.0)}, "force", starts)
         elastic = [parallel(model, joint, evolve(stop, form=f"{stop.form}, both ways")) for stop in stops]
         # A law that takes nothing more has both beside it.
         known = [stop.model for stop in crushed]
         distinct = [*crushed, *(stop for stop in elastic if stop.model not in known)]
-        return [evolve(stop, refined=stop.form not in PLAIN) for stop in distinct]
+        told = [*distinct, parallel(model, joint, damped)]
+        return [evolve(stop, refined=stop.form not in PLAIN) for stop in told]

@@ -210,6 +210,12 @@ def stopped(model):
     return with_joint(model, Joint("stop", ("wall", "front"), "linear_stop", stop))
 
 
+def pressed_by_rubber(model):
+    """A ball that takes up a part of what it is given."""
+    rubber = fixed(force=2e4, stop_deformation=0.4, exponent=1.5, way=0.1, loss=0.3)
+    return with_joint(model, Joint("stop", ("wall", "front"), "hunt_crossley", rubber))
+
+
 def pressed_by_a_ball(model):
     """After Hertz."""
     stop = fixed(force=4e4, stop_deformation=0.4, exponent=1.5, loss=0.0, way=0.2)
@@ -542,6 +548,7 @@ CASES = {
         {"peak_deformation": 0.15, "peak_width": 0.08, "dip": 0.5, "recovery": 0.25},
     ),
     stopped: (("bottoming", "line, both ways", {"joint": "first"}), {"stiffness": 1.5e5, "stop_deformation": 0.5}),
+    pressed_by_rubber: (("bottoming", "damped", {"joint": "first"}), {"exponent": 1.5, "stop_deformation": 0.4, "loss": 0.3}),
     pressed_by_a_ball: (("bottoming", "power, both ways", {"joint": "first"}), {"exponent": 1.5, "stop_deformation": 0.4}),
     rubbing: (("joint_friction", "sharp", {"joint": "first"}), {"friction_force": 4e3}),
     clamping: (("joint_friction", "in proportion", {"joint": "first"}), {"friction_share": 0.2}),
@@ -637,6 +644,7 @@ LATE = {
     relaxing_twice,
     stopped,
     pressed_by_a_ball,
+    pressed_by_rubber,
     clamping,
     clamped,
     rubbing_in_its_gap,
