@@ -50,6 +50,13 @@ def test_each_fit_is_given_overall_and_by_channel(diagnosis: Diagnosis, runs: st
         assert measures["rating"] == float(fit.channels["rating"].sel(channel=channel))
 
 
+def test_what_is_left_of_all_runs_is_given_where_it_was_asked_for(diagnosis: Diagnosis) -> None:
+    held = diagnosis.fits["holdout"]
+    asked = evolve(diagnosis, fits={**diagnosis.fits, "holdout": {**held, "after": evolve(held["after"], together_rmse=1.01)}})
+    assert diagnosis_json(asked)["fit"]["holdout"]["after"]["together_rmse"] == 1.01
+    assert "together_rmse" not in diagnosis_json(diagnosis)["fit"]["holdout"]["after"]
+
+
 def test_the_file_is_what_the_dictionary_says(diagnosis: Diagnosis, tmp_path: Path) -> None:
     path = write_json(diagnosis, tmp_path / "new folder" / "diagnosis.json")
     assert strict(path.read_text("utf-8")) == diagnosis_json(diagnosis)
