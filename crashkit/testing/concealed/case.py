@@ -52,8 +52,10 @@ def make_case(seed: int | Sequence[int], physics: Sequence[str], size: str | tup
 
 
 def write_case(case: Case, folder: Path) -> None:
-    """Write model.toml, run_1.nc, ... and holdout_1.nc: all that a diagnosis may see."""
+    """Write model.toml, run_1.nc, ... and holdout_1.nc: all that a diagnosis may see, in place of a case that was there."""
     folder.mkdir(parents=True, exist_ok=True)
+    for old in folder.glob("*.nc"):
+        old.unlink()
     (folder / "model.toml").write_text(case.model, encoding="utf-8")
     for kind, recordings in (("run", case.runs), ("holdout", case.holdout)):
         for number, recording in enumerate(recordings, 1):
