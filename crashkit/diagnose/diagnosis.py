@@ -16,13 +16,13 @@ from crashkit.diagnose.fitting.reidentify import refine, reidentify
 from crashkit.diagnose.fitting.search import STEPS, Search, begin
 from crashkit.diagnose.fitting.sharpen import ROUGHLY, OutrunError, in_the_light_of, sharpened, weighed_alike
 from crashkit.diagnose.fitting.thinning import thinned_by
-from crashkit.diagnose.fitting.waken import awake, wakened
+from crashkit.diagnose.fitting.thresholds import awake, wakened
 from crashkit.diagnose.name.discover import discover
+from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Round
+from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.name.needed import needed, price
 from crashkit.diagnose.name.rivals import CONCEALED
-from crashkit.diagnose.name.rounds import Discovery
 from crashkit.diagnose.name.twins import beside_twins
 from crashkit.diagnose.result import Diagnosis
 from crashkit.diagnose.show.answer import answer
@@ -58,23 +58,23 @@ def diagnose(
     """
     limit = TimeLimit(seconds, progress)
     rehearsed = workshop.rehearsed(model, [*recordings.values(), *holdout.values()])
-    equipped, discovery = _explained(rehearsed, model, recordings, limit)
+    equipped, discovery = _discovered_in(rehearsed, model, recordings, limit)
     together = None if limit.is_over else _fitted_together(equipped, discovery, model, recordings, holdout)
     if together is not None and _is_contradicted(discovery, together):
         looks = _leading(discovery)
-        again, asked_again = _explained(rehearsed, model, {**recordings, **holdout}, limit, looks)
+        again, asked_again = _discovered_in(rehearsed, model, {**recordings, **holdout}, limit, looks)
         if not limit.is_over:
             return nothing_predicted(answer(again, asked_again, model, {}), tuple(holdout))
     told = answer(equipped, discovery, model, holdout, together)
     return cut_short(told, seconds) if limit.is_over else told
 
 
-def _explained(
+def _discovered_in(
     equipped: Workshop,
     model: Model,
     recordings: Mapping[str, xr.DataTree],
     progress: TimeLimit,
-    looks: Sequence[Round] = (),
+    looks: Sequence[Look] = (),
 ) -> tuple[Workshop, Discovery]:
     """What these recordings say that the model leaves out, and the workshop with the steps that they need.
 
@@ -90,19 +90,19 @@ def _explained(
     # Numbers far from what the user gave make up for physics: what they ask of the rate, the structure does not.
     if base.misfit.departure(base.point) <= STRAINED:
         base = sharpened(equipped, model, recordings, base)
-    discovery = _discovered(equipped, model, recordings, awake(equipped, given, base), base, looks, progress)
+    discovery = _discovered_at_pace(equipped, model, recordings, awake(equipped, given, base), base, looks, progress)
     progress.show("refining", 0.0)
     discovery = beside_twins(equipped, discovery)
     return equipped, _refined(equipped, discovery, model, recordings)
 
 
-def _discovered(
+def _discovered_at_pace(
     workshop: Workshop,
     model: Model,
     recordings: Mapping[str, xr.DataTree],
     given: Misfit,
     base: Search,
-    looks: Sequence[Round],
+    looks: Sequence[Look],
     progress: TimeLimit,
 ) -> Discovery:
     """What is found in time; where that outruns the recordings as they were thinned, by finer ones."""
@@ -113,8 +113,8 @@ def _discovered(
     except OutrunError as outrun:
         found = outrun.found
     thin = in_the_light_of(workshop, model, recordings, found.search.fitted())
-    base = begin(workshop.identifier, thin.with_values(base.misfit.values(base.point))).advance(STEPS)
-    alone = Round((found,), (1.0,), 0.0, base.fitted())
+    base = begin(workshop.identifier, thin.with_values(base.values)).advance(STEPS)
+    alone = Look((found,), (1.0,), 0.0, base.fitted())
     so_far = Discovery(base.fitted(), found.search.fitted(), found.search, (alone,))
     finer = Inquiry(workshop, base.misfit.with_values_of(given), base, progress)
     return in_time(so_far, discover, finer, (alone,))
@@ -137,7 +137,7 @@ def _fitted_together(
     final = discovery.final
     workshop = workshop.equipped([final.model])
     unseen = weighed_alike(workshop.first_misfit(final.model, holdout), final)
-    normalised = partial(_normalised, told_only=bool(discovery.rounds))
+    normalised = partial(_normalised, told_only=bool(discovery.findings))
     if normalised(final) > UNEXPLAINED or normalised(unseen) < UNEXPLAINED:
         return None
     both = in_the_light_of(workshop, model, {**recordings, **holdout}, final)
@@ -147,7 +147,7 @@ def _fitted_together(
 def _is_contradicted(discovery: Discovery, together: Search) -> bool:
     """Whether no values of what was found explain all runs. Where nothing was found there is no form that may be off, and more
     than chance leaves says that something is missing. Of a finding, only channels whose noise is told are witnesses."""
-    if not discovery.rounds:
+    if not discovery.findings:
         return not is_at_noise(together)
     return _normalised(together.fitted(), told_only=True) > UNEXPLAINED
 
@@ -170,15 +170,15 @@ def _refined(workshop: Workshop, discovery: Discovery, model: Model, recordings:
     thin = in_the_light_of(workshop, model, recordings, found)
     without, final = (workshop.misfit(thin, one.model) for one in (discovery.base, discovery.final))
     found_with = refine(workshop.identifier, final)
-    found_without = _unexplained(workshop, without) if discovery.rounds else found_with
-    rounds, *searches = needed(workshop, discovery.rounds, found_without, found_with)
+    found_without = _unexplained(workshop, without) if discovery.findings else found_with
+    findings, *searches = needed(workshop, discovery.findings, found_without, found_with)
     searches = [sharpened(workshop, model, recordings, search) for search in searches]
     full = weighed_alike(workshop.first_misfit(model, recordings), found)
     base, final = (workshop.misfit(full, search.fitted().model) for search in searches)
-    if rounds and _is_worthless(rounds, base, final):
-        rounds, final, searches = (), base, [searches[0]] * 2
-    last = discovery.rounds[0] if discovery.rounds and not rounds else discovery.last
-    return evolve(discovery, base=base, final=final, search=searches[1].unbelieving(), rounds=rounds, last=last)
+    if findings and _is_worthless(findings, base, final):
+        findings, final, searches = (), base, [searches[0]] * 2
+    last = discovery.findings[0] if discovery.findings and not findings else discovery.last
+    return evolve(discovery, base=base, final=final, search=searches[1].unbelieving(), findings=findings, last=last)
 
 
 def _unexplained(workshop: Workshop, misfit: Misfit) -> Search:
@@ -188,14 +188,14 @@ def _unexplained(workshop: Workshop, misfit: Misfit) -> Search:
     return search if search.normalised > CONCEALED else refine(workshop.identifier, misfit)
 
 
-def _leading(discovery: Discovery) -> Sequence[Round]:
+def _leading(discovery: Discovery) -> Sequence[Look]:
     """The looks that a held-out run which contradicts a discovery should be asked for first: its only one, or all where each
     finding was plain."""
-    looks = discovery.rounds or ((discovery.last,) if discovery.last else ())
+    looks = discovery.findings or ((discovery.last,) if discovery.last else ())
     return looks if len(looks) == 1 or all(look.probabilities[0] > PLAIN for look in looks) else ()
 
 
-def _is_worthless(rounds: Sequence[Round], base: Misfit, final: Misfit) -> bool:
+def _is_worthless(findings: Sequence[Look], base: Misfit, final: Misfit) -> bool:
     """Whether all samples together show less than the findings cost: then these explained what thinning had left."""
     before, after = (misfit.deviance(misfit.residual(misfit.start())) for misfit in (base, final))
-    return before - after < sum(price(look.leader.proposal, final) for look in rounds)
+    return before - after < sum(price(look.leader.proposal, final) for look in findings)

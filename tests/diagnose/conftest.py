@@ -10,7 +10,7 @@ from crashkit.diagnose import Workshop
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Round
+from crashkit.diagnose.name.look import Look
 from crashkit.mechanics import Simulator
 from crashkit.misfit import Misfit
 from crashkit.misfit.channel import groups_of
@@ -95,7 +95,7 @@ def offered(workshop, model, misfit, recorded):
         kind = workshop.hypotheses["viscous_damping"]()
         proposal = kind.propose(base.fitted().model, motion, list(given.recordings.values()))[0]
         final = begin(workshop.identifier, workshop.misfit(base.fitted(), proposal.model)).advance(40)
-        look = Round((Rival(proposal, final, base.deviance - final.deviance, 0.0),), (1.0,), 0.0, base.fitted())
+        look = Look((Rival(proposal, final, base.deviance - final.deviance, 0.0),), (1.0,), 0.0, base.fitted())
         return look, base, final
 
     return offer

@@ -7,9 +7,9 @@ from functools import partial
 from typing import TypeVar
 
 from crashkit.campaign import spread
+from crashkit.diagnose.fitting.quadratic import Extended, tangent
 from crashkit.diagnose.fitting.score import Score, score
 from crashkit.diagnose.fitting.search import Search, advance_all, begin, begin_all, weighed
-from crashkit.diagnose.fitting.square import Extended, tangent
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.workshop import Workshop
 from crashkit.errors import SimulationError

@@ -7,7 +7,7 @@ from attrs import evolve, frozen
 
 from crashkit.diagnose.fitting.contest import Entrant, identity
 from crashkit.diagnose.fitting.search import Search
-from crashkit.diagnose.result import UNKNOWN
+from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.protocols import Proposal
 
 FLOOR = 1.05
@@ -21,7 +21,7 @@ GENUINE = 0.98
 known one whose form is off by a seventh."""
 IMITATING, REACHING = 0.85, 1.09
 """The same of a table that anything is imitated by, and the normalised residual below which it does more than imitate."""
-TENTH = 0.1
+IMITATION = 0.1
 """Of what the best known claim leaves above the noise: nor does one that leaves less than that only imitate."""
 FROM_AFAR = "deformation, at a distance"
 """Form of a table that imitates more than laws of the deformation, as a joint that pulls: to reach the noise says little."""
@@ -57,18 +57,28 @@ class Rival:
         """What it claims, whatever its form."""
         return identity(self.proposal)
 
+    @property
+    def place(self) -> str:
+        """Where, for people."""
+        return place_of(self.proposal.location)
+
 
 def is_unknown(rival: Rival) -> bool:
     """Whether it claims a force that no list has."""
     return rival.proposal.physics == UNKNOWN
 
 
-def ranked_by_evidence(fitted: Iterable[Entrant], reference: float) -> list[Rival]:
+def by_evidence(rivals: Iterable[Rival]) -> list[Rival]:
     """The most evident first."""
+    return sorted(rivals, key=lambda rival: -rival.evidence)
+
+
+def ranked_by_evidence(fitted: Iterable[Entrant], reference: float) -> list[Rival]:
+    """Fits weighed against the deviance of the model without any claim, the most evident first."""
     fitted = list(fitted)
     known = min((search.excess for proposal, search in fitted if proposal.physics != UNKNOWN), default=0.0)
     rivals = (rival_of(proposal, search, reference, known) for proposal, search in fitted)
-    return sorted(rivals, key=lambda rival: -rival.evidence)
+    return by_evidence(rivals)
 
 
 def rival_of(proposal: Proposal, search: Search, reference: float, known: float = 0.0) -> Rival:
@@ -93,7 +103,7 @@ def _credit(proposal: Proposal, search: Search, known: float) -> float:
     if proposal.physics != UNKNOWN:
         return 1.0
     imitates = proposal.form in OF_DEFORMATION or (proposal.form == IN_TIME and len(search.misfit.recordings) == 1)
-    reaches = search.excess < TENTH * known or (search.normalised < REACHING and proposal.form != FROM_AFAR)
+    reaches = search.excess < IMITATION * known or (search.normalised < REACHING and proposal.form != FROM_AFAR)
     return IMITATING if imitates and not reaches else GENUINE
 
 

@@ -28,7 +28,7 @@ def rebuild(workshop: Workshop, base: Search, rivals: Sequence[Rival], last: Sea
         proposal = next((p for p in propose_all(workshop, current) if is_same(p, rival.proposal)), None)
         if proposal is None:
             return None
-        found = {**rival.search.misfit.values(rival.search.point), **last.misfit.values(last.point)}
+        found = {**rival.search.values, **last.values}
         misfit = workshop.equipped([proposal.model]).misfit(current, proposal.model)
         start = {name: found[name] for name in misfit.names if name in found}
         search = begin(workshop.identifier, misfit.with_values(start)).advance(STEPS)

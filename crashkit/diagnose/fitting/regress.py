@@ -7,8 +7,8 @@ import numpy as np
 
 from crashkit.campaign import spread
 from crashkit.diagnose.fitting.contest import Entrant, Progress, first_of_each, heats
+from crashkit.diagnose.fitting.continuation import grown
 from crashkit.diagnose.fitting.evidence import explains
-from crashkit.diagnose.fitting.growing import grown
 from crashkit.diagnose.fitting.search import Search, advance_all, begin_all
 from crashkit.diagnose.result import UNKNOWN
 from crashkit.diagnose.workshop import Workshop

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from crashkit.campaign import spread
-from crashkit.diagnose.fitting.eased import eased
+from crashkit.diagnose.fitting.back_to_given import begun_from_given
+from crashkit.diagnose.fitting.continuation import grown
 from crashkit.diagnose.fitting.evidence import explains
-from crashkit.diagnose.fitting.growing import grown
 from crashkit.diagnose.fitting.regress import regression
 from crashkit.diagnose.fitting.search import STEPS, Search, advance_all, begin_all, weighed
-from crashkit.diagnose.fitting.waken import wakened
+from crashkit.diagnose.fitting.thresholds import wakened
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Identifier, Status
@@ -47,7 +47,7 @@ def understood(workshop: Workshop, misfit: Misfit) -> Search:
     starts = [misfit] if end is None else [misfit, misfit.with_values(end[0])]
     ends = spread(partial(grown, workshop.identifier), starts)
     best = _fitted(workshop, misfit, [*ends, *([] if end is None else [end[0]])])
-    return best if explains(best) else eased(wakened(workshop, best), misfit)
+    return best if explains(best) else begun_from_given(wakened(workshop, best), misfit)
 
 
 def _fitted(workshop: Workshop, misfit: Misfit, ends: Sequence[Mapping[str, float]]) -> Search:
@@ -79,7 +79,7 @@ def _best_of_many(identifier: Identifier[Any], misfit: Misfit) -> Mapping[str, f
     for size, steps in HEATS:
         searches = advance_all(sorted(searches, key=lambda search: search.state.cost)[:size], steps)
     best = min(searches, key=lambda search: search.state.cost)
-    return best.misfit.values(best.point)
+    return best.values
 
 
 def scattered(misfit: Misfit, count: int) -> list[Misfit]:

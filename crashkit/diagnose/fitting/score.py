@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from attrs import frozen
 
-from crashkit.diagnose.fitting.square import Extended, Square
+from crashkit.diagnose.fitting.quadratic import Extended, Quadratic
 from crashkit.protocols import Proposal
 
 LONGEST_STEP = 0.3
@@ -62,7 +62,7 @@ def _deviation(curvature: np.ndarray, amplitude: int, own: np.ndarray, reach: np
     return float(1.0 / np.sqrt(seen)) if seen > 1e-12 * whole else float("inf")
 
 
-def _bounded_step(square: Square, point: np.ndarray, lower: np.ndarray, upper: np.ndarray, reach: np.ndarray) -> np.ndarray:
+def _bounded_step(square: Quadratic, point: np.ndarray, lower: np.ndarray, upper: np.ndarray, reach: np.ndarray) -> np.ndarray:
     """The Gauss-Newton step, damped to about `reach`; parameters that would leave their bounds stop there."""
     curvature = square.curvature.copy()
     weak = 1e-12 * max(float(np.diag(curvature).max(initial=0.0)), 1e-300)

@@ -17,7 +17,7 @@ STEPS = 60
 FIRST_STEPS = 8
 """After which one that was begun again and leaves more than the fit is given up."""
 REWEIGHTINGS = 3
-LEAST_DROP = 0.02
+LEAST_GAIN = 0.02
 """Half a chi squared that a further step must gain: a hundredth of what one parameter gains by chance is not worth a step."""
 LEAST_SHARE = 1e-4
 """Of the cost above the noise that one of two steps in a row must gain: far above it, a fit that creeps is not worth its time.
@@ -45,6 +45,11 @@ class Search:
     def point(self) -> np.ndarray:
         """Where the search stands, in search variables."""
         return np.asarray(self.state.point)
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The numbers of the model there, by path."""
+        return self.misfit.values(self.point)
 
     @property
     def deviance(self) -> float:
@@ -78,7 +83,7 @@ class Search:
     def _stepped(self, state: Any) -> "Search":
         gained = self.state.cost - state.cost
         crept = gained < LEAST_SHARE * (state.cost - 0.5 * self.misfit.independent_samples)
-        return evolve(self, state=state, settled=gained < LEAST_DROP or (crept and self.crept), crept=crept)
+        return evolve(self, state=state, settled=gained < LEAST_GAIN or (crept and self.crept), crept=crept)
 
     def result(self) -> Identification:
         """The identification as it stands; one that has settled counts as converged."""
@@ -92,7 +97,7 @@ class Search:
 
     def fitted(self) -> Misfit:
         """The misfit with its model at the values found."""
-        return self.misfit.with_values(self.misfit.values(self.point))
+        return self.misfit.with_values(self.values)
 
 
 def begin(identifier: Identifier[Any], misfit: Misfit) -> Search:

@@ -12,18 +12,18 @@ from crashkit.diagnose.fitting.reidentify import reidentify
 from crashkit.diagnose.fitting.search import STEPS, begin
 from crashkit.diagnose.locate.aside import CLOCK, Suspect, late_clocks, on_time, suspects, without
 from crashkit.diagnose.locate.consistency import by_run, check_instruments
-from crashkit.diagnose.name.asked_first import asked_first, named_nevertheless
-from crashkit.diagnose.name.explore import beside_reading, discovered
+from crashkit.diagnose.name.contradicted import asked_first, named_nevertheless
+from crashkit.diagnose.name.explore import beside_reading, explored
+from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Round, look_again
-from crashkit.diagnose.name.rounds import Discovery
+from crashkit.diagnose.name.look import Look, look_again
 from crashkit.diagnose.name.settle import settled
 from crashkit.model import Model
 from crashkit.protocols import Proposal
 
 
-def discover(inquiry: Inquiry, looks: Sequence[Round]) -> Discovery:
+def discover(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery:
     """All findings that the evidence supports, each in the light of the others, and at last in its best form.
 
     A plain form may leave no more than chance would, and another still be far more evident: what it foretells is better.
@@ -31,15 +31,15 @@ def discover(inquiry: Inquiry, looks: Sequence[Round]) -> Discovery:
     Arguments:
         looks: whose claims are asked first, if there are any.
     """
-    found = _found(inquiry, looks)
+    found = _instruments_first(inquiry, looks)
     if not explains(found.search):
         return found
-    same = list(found.rounds), found.search
-    rounds, search = in_time(same, in_best_forms, inquiry, found.rounds, found.search, thorough=True)
-    return evolve(found, rounds=tuple(rounds), search=search, final=search.fitted())
+    same = list(found.findings), found.search
+    findings, search = in_time(same, in_best_forms, inquiry, found.findings, found.search, thorough=True)
+    return evolve(found, findings=tuple(findings), search=search, final=search.fitted())
 
 
-def _found(inquiry: Inquiry, looks: Sequence[Round]) -> Discovery:
+def _instruments_first(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery:
     found = asked_first(inquiry, looks)
     if found is not None:
         return found
@@ -48,7 +48,7 @@ def _found(inquiry: Inquiry, looks: Sequence[Round]) -> Discovery:
         found = _with_clock(inquiry, late)
     elif set_aside := suspects(inquiry.given, checks):
         found = _beside(inquiry, set_aside)
-    found = found or discovered(inquiry)
+    found = found or explored(inquiry)
     return in_time(found, named_nevertheless, inquiry, looks, found)
 
 
@@ -59,14 +59,14 @@ def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | Non
     if not rest.groups:
         return None
     believed = Inquiry(evolve(workshop, recorded={}), rest, reidentify(workshop, rest), inquiry.progress)
-    structure = discovered(believed)
-    rounds = list(structure.rounds)
-    search = inquiry.fit_with([look.leader for look in rounds], structure.search)
+    structure = explored(believed)
+    findings = list(structure.findings)
+    search = inquiry.fit_with([look.leader for look in findings], structure.search)
     if search is None:
         return None
     unbent, waiting = evolve(inquiry, given=given.with_values_of(structure.search.fitted())), set_aside
     while waiting:
-        found, concerns = [look.leader for look in rounds], partial(_concern, waiting)
+        found, concerns = [look.leader for look in findings], partial(_concern, waiting)
         look = in_time(None, look_again, unbent, search.fitted(), found, concerns)
         if look is None or (look.winner is None and search.normalised <= FLOOR):
             break
@@ -74,9 +74,9 @@ def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | Non
             return None
         still = [one.besides(look.winner.proposal, look.before.model) for one in waiting]
         waiting = tuple(one for one in still if one is not None)
-        rounds.append(in_time(look, settled, unbent, look, look.winner, found))
-        search = rounds[-1].leader.search
-    return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(rounds))
+        findings.append(in_time(look, settled, unbent, look, look.winner, found))
+        search = findings[-1].leader.search
+    return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(findings))
 
 
 def _concern(waiting: Sequence[Suspect], proposal: Proposal, model: Model) -> bool:
@@ -90,7 +90,7 @@ def _with_clock(inquiry: Inquiry, late: Mapping[str, float]) -> Discovery | None
     return beside_reading(inquiry, clock) if clock.winner else None
 
 
-def _clock(inquiry: Inquiry, late: Mapping[str, float]) -> Round:
+def _clock(inquiry: Inquiry, late: Mapping[str, float]) -> Look:
     """Which of these clocks is wrong: the model is re-identified with the stamps of one or the other put right."""
     workshop, given, current = inquiry.workshop, inquiry.given, inquiry.base.fitted()
     claims = [p for p in propose_all(workshop, current) if p.physics == CLOCK and p.location["instrument"] in late]
@@ -103,11 +103,11 @@ def _clock(inquiry: Inquiry, late: Mapping[str, float]) -> Round:
         fitted.append((claim, begin(workshop.identifier, misfit).advance(STEPS)))
     rivals = ranked_by_evidence(fitted, inquiry.base.deviance)
     chances, nothing = probabilities(rivals, len(rivals))
-    return Round(tuple(rivals), tuple(chances.tolist()), nothing, current)
+    return Look(tuple(rivals), tuple(chances.tolist()), nothing, current)
 
 
 def _put_right(inquiry: Inquiry, instrument: str, late: float) -> Mapping[str, float]:
     """The model's numbers as re-identified with the stamps of one instrument put right."""
     right = inquiry.workshop.first_misfit(inquiry.given.model, on_time(inquiry.given.recordings, instrument, late))
     search = reidentify(inquiry.workshop, right.with_prior(inquiry.given.prior.std))
-    return search.misfit.values(search.point)
+    return search.values

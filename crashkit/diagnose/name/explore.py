@@ -16,32 +16,32 @@ from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.rebuild import alone_again
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.fitting.sharpen import check_rate
-from crashkit.diagnose.locate.courses import courses, outstanding
-from crashkit.diagnose.name.beginnings import begun_otherwise
+from crashkit.diagnose.locate.free_force import free_forces, outstanding
+from crashkit.diagnose.name.follow import NEEDED, TIE, Discovery, followed, is_estimated, leave_a_trace, reconsidered
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.linked import linked_instead
-from crashkit.diagnose.name.look import FORM_ERRORS, Round, between, is_of_readings, led, look_again
+from crashkit.diagnose.name.look import FORM_ERRORS, Look, compared, is_of_readings, led, look_again
 from crashkit.diagnose.name.nearby import Nearby, followed_nearby
 from crashkit.diagnose.name.needed import price
+from crashkit.diagnose.name.other_first import begun_otherwise
 from crashkit.diagnose.name.pairs import both, named_before_unknown
 from crashkit.diagnose.name.rivals import CONCEALED, may_conceal
-from crashkit.diagnose.name.rounds import NEEDED, TIE, Discovery, followed, is_estimated, leave_a_trace, reconsidered
 from crashkit.diagnose.name.simpler import in_fewer_numbers
-from crashkit.diagnose.result import UNKNOWN, place_of
+from crashkit.diagnose.result import UNKNOWN
 
 LED = 3
 """How many of the leading claims may show that the model as it is was caught in a local optimum."""
-HALF = 0.5
+LOCAL_OPTIMUM = 0.5
 """Of what the model as it is leaves above the noise: where it leaves less from where one of them has moved its numbers,
 everything is asked from there."""
-FIFTH = 0.2
+HARDLY_LESS = 0.2
 """Of what a claim leaves above the noise: what leaves less by no more than that is hardly another."""
 BLAMED = 2.5
 """How much more an estimate may leave than what was found and gives way to it, residuals over noise."""
 
 
-def discovered(inquiry: Inquiry, near: Round | None = None) -> Discovery:
+def explored(inquiry: Inquiry, near: Look | None = None) -> Discovery:
     """All findings that the evidence supports, each in the light of the others.
 
     From the re-identified numbers first: where one cause in its best form explains everything from there, or all but what no
@@ -50,17 +50,17 @@ def discovered(inquiry: Inquiry, near: Round | None = None) -> Discovery:
     Arguments:
         near: the look from there, if it was made already.
     """
-    told = _discovered(inquiry, near)
+    told = _near_then_wide(inquiry, near)
     return in_time(told, in_fewer_numbers, inquiry, told)
 
 
-def _discovered(inquiry: Inquiry, near: Round | None) -> Discovery:
+def _near_then_wide(inquiry: Inquiry, near: Look | None) -> Discovery:
     base = inquiry.base
     near = near or _near(inquiry)
     if base.normalised > CONCEALED:
         better = alone_again(base, [rival.search.fitted() for rival in near.rivals[:LED]])
-        if better.excess < HALF * base.excess:
-            return in_time(_won(base, near), _discovered, evolve(inquiry, base=better), None)
+        if better.excess < LOCAL_OPTIMUM * base.excess:
+            return in_time(_won(base, near), _near_then_wide, evolve(inquiry, base=better), None)
     if _is_wrong_beside_more(near):
         check_rate(inquiry.workshop, inquiry.given, near.leader)
         return beside_reading(inquiry, near)
@@ -70,53 +70,53 @@ def _discovered(inquiry: Inquiry, near: Round | None) -> Discovery:
     found = nearby.found
     if found is not None and _suffices(found, base):
         return found
-    wide = in_time(_won(base, nearby.look), _widely, inquiry, nearby)
+    wide = in_time(_won(base, nearby.look), _found_widely, inquiry, nearby)
     told = wide if found is None else _cheaper(found, wide)
     linked = in_time(told, linked_instead, inquiry, told)
     return _where_it_acts(inquiry, told) if linked is told else linked
 
 
-def _is_wrong_beside_more(near: Round) -> bool:
+def _is_wrong_beside_more(near: Look) -> bool:
     """Whether an instrument plainly is wrong, but that leaves much: of that the equations of motion say nothing, and all that
     is asked of the structure is asked better once it is put right."""
     winner = near.winner
     return winner is not None and is_of_readings(winner.proposal) and winner.search.normalised > CONCEALED
 
 
-def beside_reading(inquiry: Inquiry, reading: Round) -> Discovery:
+def beside_reading(inquiry: Inquiry, reading: Look) -> Discovery:
     """An instrument that is wrong, and what all of them say of the structure once it is put right.
 
     Arguments:
         reading: the look that said so.
     """
-    put_right = _put_right(inquiry, reading)
+    put_right = _with_reading_right(inquiry, reading)
     near = in_time(None, _near, put_right)
     if near is not None and near.winner is not None:
         told = in_time(reading, _told_beside, inquiry, reading, near.winner)
         if told is not reading:
-            reading, put_right, near = told, _put_right(inquiry, told), None
+            reading, put_right, near = told, _with_reading_right(inquiry, told), None
     search = put_right.base
-    structure = in_time(Discovery(search.fitted(), search.fitted(), search), discovered, put_right, near)
-    rounds, search = [reading, *structure.rounds], structure.search
-    rounds, search = in_time((rounds, search), in_best_forms, inquiry, rounds, search)
-    if structure.rounds:
-        rounds, search = in_time((rounds, search), reconsidered, inquiry, rounds, search)
-    return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(rounds), structure.last)
+    structure = in_time(Discovery(search.fitted(), search.fitted(), search), explored, put_right, near)
+    findings, search = [reading, *structure.findings], structure.search
+    findings, search = in_time((findings, search), in_best_forms, inquiry, findings, search)
+    if structure.findings:
+        findings, search = in_time((findings, search), reconsidered, inquiry, findings, search)
+    return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(findings), structure.last)
 
 
-def _near(inquiry: Inquiry) -> Round:
+def _near(inquiry: Inquiry) -> Look:
     """A look from the re-identified numbers."""
     return look_again(inquiry, inquiry.base.fitted(), [], quick=True)
 
 
-def _put_right(inquiry: Inquiry, reading: Round) -> Inquiry:
+def _with_reading_right(inquiry: Inquiry, reading: Look) -> Inquiry:
     """Into the model that says what an instrument has wrong."""
     search = reading.leader.search
     given = search.fitted().with_values_of(inquiry.given)
     return evolve(inquiry, workshop=evolve(inquiry.workshop, recorded={}), given=given, base=search)
 
 
-def _told_beside(inquiry: Inquiry, reading: Round, structure: Rival) -> Round:
+def _told_beside(inquiry: Inquiry, reading: Look, structure: Rival) -> Look:
     """The look with what an instrument has wrong in the form that tells most beside the structure: alone, one that is a little
     off makes do for what that lacks, and beside it leaves what then seems to be still more."""
     claim, without = reading.leader, structure.search.deviance + reading.leader.drop
@@ -127,27 +127,29 @@ def _told_beside(inquiry: Inquiry, reading: Round, structure: Rival) -> Round:
     if search is None:
         return reading
     told = rival_of(forms[0].proposal, search, claim.search.deviance + claim.drop)
-    return evolve(reading, rivals=(told, *reading.rivals[1:]))
+    return reading.led_by(told)
 
 
 def _suffices(found: Discovery, base: Search) -> bool:
     """Whether one cause explains everything, or leaves less above the noise than a second one would have to explain; or two do
     that, whatever the noise, and nothing convinces beside them."""
     search = found.search
-    if len(found.rounds) == 1:
+    if len(found.findings) == 1:
         is_little = search.normalised < FLOOR and search.excess < FORM_ERRORS[0] * base.excess
         return explains(search) or (is_little and is_sound(search))
     is_little = search.normalised < UNEXPLAINED and search.excess < FORM_ERRORS[1] * base.excess
-    is_all = found.last is not None and len(found.rounds) == 2 and not is_estimated(found.rounds)
-    is_enough = leave_a_trace(found.rounds, search, base) or (is_all and is_little)
+    is_all = found.last is not None and len(found.findings) == 2 and not is_estimated(found.findings)
+    is_enough = leave_a_trace(found.findings, search, base) or (is_all and is_little)
     return is_enough and search.misfit.departure(search.point) < STRAINED
 
 
 def _cheaper(near: Discovery, wide: Discovery) -> Discovery:
     """What explains more for its numbers; an estimate only gives way to what explains everything."""
-    if is_estimated(wide.rounds) and not explains(near.search):
+    if is_estimated(wide.findings) and not explains(near.search):
         return wide
-    return min(near, wide, key=lambda one: one.search.deviance + sum(price(r.leader.proposal, one.final) for r in one.rounds))
+    return min(
+        near, wide, key=lambda one: one.search.deviance + sum(price(r.leader.proposal, one.final) for r in one.findings)
+    )
 
 
 def _where_it_acts(inquiry: Inquiry, found: Discovery) -> Discovery:
@@ -156,32 +158,32 @@ def _where_it_acts(inquiry: Inquiry, found: Discovery) -> Discovery:
     A cause that no law tells, as a joint that another one weakens, is imitated best by laws at other places. About instruments
     that are wrong the equations say nothing.
     """
-    claims = [look.leader for look in found.rounds]
+    claims = [look.leader for look in found.findings]
     if not claims or found.search.normalised < UNEXPLAINED or any(is_of_readings(claim.proposal) for claim in claims):
         return found
-    pointer = outstanding(courses(inquiry.workshop, inquiry.given))
-    place = place_of(pointer.first.proposal.location) if pointer else None
-    if place in (None, *(place_of(claim.proposal.location) for claim in claims)):
+    pointer = outstanding(free_forces(inquiry.workshop, inquiry.given))
+    place = pointer.first.place if pointer else None
+    if place in (None, *(claim.place for claim in claims)):
         return found
-    look = found.rounds[0]
+    look = found.findings[0]
     estimate = next((rival for rival in look.rivals if rival.identity == (UNKNOWN, place)), None)
     if estimate is None or estimate.search.normalised > BLAMED * found.search.normalised:
         return found
     others = [rival for rival in look.rivals if rival is not estimate]
     # What the equations say is in no evidence: that is of the recordings, and puts the estimate further down.
-    first = led(between(look, [estimate, *others]))
-    return evolve(found, final=estimate.search.fitted(), search=estimate.search, rounds=(first,), pointer=pointer)
+    first = led(compared(look, [estimate, *others]))
+    return evolve(found, final=estimate.search.fitted(), search=estimate.search, findings=(first,), pointer=pointer)
 
 
-def _won(base: Search, look: Round) -> Discovery:
+def _won(base: Search, look: Look) -> Discovery:
     """What a single look says."""
     if look.winner is None:
         return Discovery(base.fitted(), base.fitted(), base, (), look)
     return Discovery(base.fitted(), look.winner.search.fitted(), look.winner.search, (look,))
 
 
-def _widely(inquiry: Inquiry, nearby: Nearby) -> Discovery:
-    """Round after round, with everything in sight; begun otherwise where that leaves something.
+def _found_widely(inquiry: Inquiry, nearby: Nearby) -> Discovery:
+    """Look after round, with everything in sight; begun otherwise where that leaves something.
 
     Where the first look only confirms what was found nearby, no more is asked.
     """
@@ -191,11 +193,11 @@ def _widely(inquiry: Inquiry, nearby: Nearby) -> Discovery:
         return nearby.found
     couple = both(inquiry, first) if first.couples else None
     if couple is not None:
-        rounds, look = [couple[0]], couple[1]
+        findings, look = [couple[0]], couple[1]
     else:
-        rounds, look = in_time(([], first), named_before_unknown, inquiry, first)
-    found, last = followed(inquiry, rounds, look, nearby.beside)
-    if not found.rounds or is_estimated(found.rounds) or found.search.normalised < UNEXPLAINED:
+        findings, look = in_time(([], first), named_before_unknown, inquiry, first)
+    found, last = followed(inquiry, findings, look, nearby.beside)
+    if not found.findings or is_estimated(found.findings) or found.search.normalised < UNEXPLAINED:
         return found
     least = min([found.search.deviance, *(rival.search.deviance for rival in last.rivals[:1])])
     beginning = in_time(None, begun_otherwise, inquiry, first, least)
@@ -205,15 +207,15 @@ def _widely(inquiry: Inquiry, nearby: Nearby) -> Discovery:
     return min(found, other, key=lambda one: one.search.deviance)
 
 
-def _is_confirmed(found: Discovery, look: Round) -> bool:
+def _is_confirmed(found: Discovery, look: Look) -> bool:
     """Whether a look with everything in sight has the same winner, and that leaves hardly less."""
-    if len(found.rounds) != 1 or found.search.normalised > UNEXPLAINED or look.winner is None:
+    if len(found.findings) != 1 or found.search.normalised > UNEXPLAINED or look.winner is None:
         return False
-    is_same = look.winner.identity == found.rounds[0].leader.identity
-    return is_same and look.winner.search.excess > (1.0 - FIFTH) * found.search.excess
+    is_same = look.winner.identity == found.findings[0].leader.identity
+    return is_same and look.winner.search.excess > (1.0 - HARDLY_LESS) * found.search.excess
 
 
-def _first_look(inquiry: Inquiry, near: Round) -> tuple[Search, Round]:
+def _first_look(inquiry: Inquiry, near: Look) -> tuple[Search, Look]:
     """The first round, and the best fit of the model as it is, which the winner may show to have been a local optimum."""
     base = inquiry.base
     look = look_again(inquiry, base.fitted(), [], begun=near)

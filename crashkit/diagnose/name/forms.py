@@ -7,13 +7,13 @@ import numpy as np
 from attrs import evolve
 
 from crashkit.campaign import spread
+from crashkit.diagnose.fitting.back_to_given import begun_from_given
 from crashkit.diagnose.fitting.contest import Entrant, Start, first_of_each, identity, priced, propose_all
-from crashkit.diagnose.fitting.eased import eased
 from crashkit.diagnose.fitting.evidence import Rival, explains, is_unknown, ranked_by_evidence, rival_of
 from crashkit.diagnose.fitting.search import Search, advance_all, begin, begin_all, weighed
-from crashkit.diagnose.name.alike import most_alike
+from crashkit.diagnose.name.force_matching import most_alike
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Round
+from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
@@ -27,16 +27,16 @@ HEATS = ((None, 4, 8), (8, 2, 40))
 
 
 def in_best_forms(
-    inquiry: Inquiry, rounds: Sequence[Round], search: Search, thorough: bool = False
-) -> tuple[list[Round], Search]:
+    inquiry: Inquiry, findings: Sequence[Look], search: Search, thorough: bool = False
+) -> tuple[list[Look], Search]:
     """The findings, each in the form that is most evident beside the others, and the fit with them.
 
     Arguments:
         search: the fit with them.
         thorough: whether forms are questioned where that leaves nothing, too.
     """
-    looks = list(rounds)
-    for index, look in enumerate(rounds):
+    looks = list(findings)
+    for index, look in enumerate(findings):
         if is_unknown(look.leader) or (explains(search) and not thorough):
             continue
         others = [other.leader for other in looks if other is not look]
@@ -45,17 +45,17 @@ def in_best_forms(
         best = _eased(inquiry, ranked_by_evidence(forms, without)[0], without)
         if best.evidence > look.leader.evidence:
             seen = _as_seen(inquiry.workshop, look, best)
-            looks[index], search = evolve(look, rivals=(seen, *look.rivals[1:])), best.search
+            looks[index], search = look.led_by(seen), best.search
     return looks, search
 
 
 def _eased(inquiry: Inquiry, rival: Rival, without: float) -> Rival:
     """The rival, or, where it leaves something, from where the numbers of some joint are as they were given."""
-    search = rival.search if explains(rival.search) else eased(rival.search, inquiry.given)
+    search = rival.search if explains(rival.search) else begun_from_given(rival.search, inquiry.given)
     return rival if search is rival.search else rival_of(rival.proposal, search, without)
 
 
-def _as_seen(workshop: Workshop, look: Round, rival: Rival) -> Rival:
+def _as_seen(workshop: Workshop, look: Look, rival: Rival) -> Rival:
     """The rival fitted to what its look was made at, from which instruments may have been set aside that are now believed."""
     names, before = ([channel.name for channel in one.channels] for one in (rival.search.misfit, look.before))
     if names == before:
@@ -70,7 +70,7 @@ def in_all_forms(inquiry: Inquiry, rival: Rival, others: Sequence[Rival], search
     without = inquiry.fit_with(others, search)
     if without is None:
         return []
-    origin, found = without.misfit.with_values_of(search.fitted()), search.misfit.values(search.point)
+    origin, found = without.misfit.with_values_of(search.fitted()), search.values
     forms = [p for p in propose_all(inquiry.workshop, origin) if identity(p) == rival.identity]
     is_told = rival.proposal.parameters[0] in found
     if is_told and len(forms) < 2:

@@ -25,7 +25,7 @@ def imitating(inquiry: Inquiry, table: Rival) -> list[Entrant]:
     A cause that is not named drives the model's own numbers away, and a search that begins there may never come back. Beside
     the estimate they are about right, so that each cause only has to find its own, and those of its place.
     """
-    origin, place = inquiry.base.misfit.with_values_of(table.search.fitted()), place_of(table.proposal.location)
+    origin, place = inquiry.base.misfit.with_values_of(table.search.fitted()), table.place
     known = [p for p in propose_all(inquiry.workshop, origin) if p.physics != UNKNOWN and place_of(p.location) == place]
     equipped = inquiry.workshop.equipped([proposal.model for proposal in known])
     here = tuple(f"{kind}.{name}." for kind, name in table.proposal.location.items())

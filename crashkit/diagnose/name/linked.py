@@ -5,9 +5,9 @@ from attrs import evolve
 from crashkit.diagnose.fitting.contest import propose_all
 from crashkit.diagnose.fitting.evidence import FAR_LESS, UNEXPLAINED, Rival, best_forms, ranked_by_evidence
 from crashkit.diagnose.fitting.regress import opened, regressed
+from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import between, is_of_readings, led
-from crashkit.diagnose.name.rounds import Discovery
+from crashkit.diagnose.name.look import compared, is_of_readings, led
 from crashkit.diagnose.result import UNKNOWN
 
 
@@ -17,15 +17,15 @@ def linked_instead(inquiry: Inquiry, found: Discovery) -> Discovery:
     What acts at another place, or goes with another motion, imitates it badly, and the other way round. About instruments that
     are wrong the equations of motion, along which it is looked for, say nothing.
     """
-    claims = [look.leader for look in found.rounds]
+    claims = [look.leader for look in found.findings]
     if not claims or found.search.normalised < UNEXPLAINED or any(is_of_readings(claim.proposal) for claim in claims):
         return found
     forms = _forces(inquiry)
     if not forms or forms[0].search.excess > FAR_LESS * found.search.excess:
         return found
-    told = found.rounds[0]
+    told = found.findings[0]
     others = [rival for rival in told.rivals if rival.identity not in {form.identity for form in forms}]
-    first = between(evolve(told, before=inquiry.base.fitted()), [*forms, *(others if len(found.rounds) == 1 else [])])
+    first = compared(evolve(told, before=inquiry.base.fitted()), [*forms, *(others if len(found.findings) == 1 else [])])
     return Discovery(found.base, forms[0].search.fitted(), forms[0].search, (led(first),))
 
 

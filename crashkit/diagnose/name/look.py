@@ -34,7 +34,7 @@ hardly another law."""
 
 
 @frozen
-class Round:
+class Look:
     """One look at what is left: the rivals in order, their probabilities, that of nothing, the misfit before, how much of
     chi squared a finding must at least explain, the smallest effects that would have been seen, and couples of claims that
     leave much less than any rival."""
@@ -51,6 +51,10 @@ class Round:
     def leader(self) -> Rival:
         """The most evident rival: the finding, of a round that one was made in."""
         return self.rivals[0]
+
+    def led_by(self, rival: Rival) -> "Look":
+        """The same with its leader fitted better, or in another form: what it claims is as probable as it was."""
+        return evolve(self, rivals=(rival, *self.rivals[1:]))
 
     @property
     def winner(self) -> Rival | None:
@@ -73,8 +77,8 @@ def look_again(
     found: Sequence[Rival],
     concerns: Callable[[Proposal, Model], bool] | None = None,
     quick: bool = False,
-    begun: Round | None = None,
-) -> Round:
+    begun: Look | None = None,
+) -> Look:
     """Every hypothesis that has not been found already, at the places of the given model, against what is left.
 
     Once something has been found, the model's own numbers have no more reason to hide the rest.
@@ -98,7 +102,7 @@ def look_again(
         ranked, couples = list(further.rivals), tuple(further.couples)
     best = best_forms(ranked)
     chances, nothing = probabilities(best, len({identity(p) for p in proposals}))
-    return Round(tuple(best), tuple(chances.tolist()), nothing, current, least, tuple(limits), couples)
+    return Look(tuple(best), tuple(chances.tolist()), nothing, current, least, tuple(limits), couples)
 
 
 def open_claims(inquiry: Inquiry, current: Misfit, found: Sequence[Rival]) -> list[Proposal]:
@@ -140,12 +144,12 @@ def is_given(model: Model, location: Mapping[str, object]) -> bool:
     )
 
 
-def between(look: Round, rivals: Sequence[Rival]) -> Round:
+def compared(look: Look, rivals: Sequence[Rival]) -> Look:
     """The round as these rivals, the first ahead, would have it among themselves."""
     chances, nothing = probabilities(rivals, len(rivals))
     return evolve(look, rivals=tuple(rivals), probabilities=tuple(chances.tolist()), nothing=nothing)
 
 
-def led(look: Round) -> Round:
+def led(look: Look) -> Look:
     """The round whose first rival is told for other reasons than its evidence, and has the best chances."""
     return evolve(look, probabilities=tuple(sorted(look.probabilities, reverse=True)))

@@ -2,19 +2,19 @@
 
 from attrs import field, frozen
 
-from crashkit.diagnose.fitting.evidence import UNEXPLAINED, is_unknown
+from crashkit.diagnose.fitting.evidence import UNEXPLAINED, by_evidence, is_unknown
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.fitting.sharpen import check_pace
+from crashkit.diagnose.name.follow import Discovery, followed
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import FORM_ERRORS, Round, between, look_again
+from crashkit.diagnose.name.look import FORM_ERRORS, Look, compared, look_again
 from crashkit.diagnose.name.rivals import CONCEALED
-from crashkit.diagnose.name.rounds import Discovery, followed
 from crashkit.diagnose.name.settle import settled
 
-HALF = 0.5
+FOLLOWED = 0.5
 """Of what the model without it leaves above the noise: a claim that leaves more is not followed before all are asked."""
-FIFTH = 0.2
+ALMOST_ALL = 0.2
 """Of what is left above the noise: a claim that leaves more of it is hardly all there is, in whatever form."""
 
 
@@ -28,18 +28,18 @@ class Nearby:
         beside: the look beside it, if one was made.
     """
 
-    look: Round
+    look: Look
     found: Discovery | None = field(default=None)
-    beside: Round | None = field(default=None)
+    beside: Look | None = field(default=None)
 
 
-def followed_nearby(inquiry: Inquiry, near: Round) -> Nearby:
+def followed_nearby(inquiry: Inquiry, near: Look) -> Nearby:
     """A look from the re-identified numbers, and what its best known claim leads to."""
     known = [rival for rival in near.rivals if not is_unknown(rival)]
-    if not known or known[0].search.excess > HALF * inquiry.base.excess:
+    if not known or known[0].search.excess > FOLLOWED * inquiry.base.excess:
         return Nearby(near)
-    first, search = _at_its_best(inquiry, between(near, known))
-    near = between(near, sorted([*first.rivals, *filter(is_unknown, near.rivals)], key=lambda rival: -rival.evidence))
+    first, search = _at_its_best(inquiry, compared(near, known))
+    near = compared(near, by_evidence([*first.rivals, *filter(is_unknown, near.rivals)]))
     winner = first.winner
     if winner is None:
         return Nearby(near)
@@ -53,23 +53,23 @@ def followed_nearby(inquiry: Inquiry, near: Round) -> Nearby:
     return Nearby(near, found, look)
 
 
-def _at_its_best(inquiry: Inquiry, look: Round) -> tuple[Round, Search]:
+def _at_its_best(inquiry: Inquiry, look: Look) -> tuple[Look, Search]:
     """The look with its leader settled, and in its best form where hardly anything is left beside it."""
     first = settled(inquiry, look, look.leader, [])
     search = first.leader.search
-    if search.excess > FIFTH * inquiry.base.excess:
+    if search.excess > ALMOST_ALL * inquiry.base.excess:
         return first, search
     (first,), search = in_best_forms(inquiry, [first], search)
     return first, search
 
 
-def _is_most(search: Search, base: Search, look: Round) -> bool:
+def _is_most(search: Search, base: Search, look: Look) -> bool:
     """Whether a claim leaves next to nothing of what was left, of which a known one explains half."""
     winner = look.winner
-    is_followed = winner is not None and not is_unknown(winner) and winner.search.excess < HALF * search.excess
+    is_followed = winner is not None and not is_unknown(winner) and winner.search.excess < FOLLOWED * search.excess
     return is_followed and search.excess < FORM_ERRORS[1] * base.excess
 
 
-def _completes(look: Round) -> bool:
+def _completes(look: Look) -> bool:
     """Whether a known claim leaves next to nothing."""
     return look.winner is not None and not is_unknown(look.winner) and look.winner.search.normalised < UNEXPLAINED

@@ -8,8 +8,7 @@ from attrs import evolve
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.rebuild import alone_again, rebuild
 from crashkit.diagnose.fitting.search import Search
-from crashkit.diagnose.name.look import LEAST_DROP, Round
-from crashkit.diagnose.result import place_of
+from crashkit.diagnose.name.look import LEAST_DROP, Look
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
@@ -20,14 +19,14 @@ force where it is."""
 
 
 def needed(
-    workshop: Workshop, rounds: Sequence[Round], base: Search, final: Search
-) -> tuple[tuple[Round, ...], Search, Search]:
+    workshop: Workshop, findings: Sequence[Look], base: Search, final: Search
+) -> tuple[tuple[Look, ...], Search, Search]:
     """The findings without which the fit is plainly worse, and the fits without any and with these.
 
     An early finding may only have led the search past a local optimum.
     """
-    kept, spared = list(rounds), dict[tuple[str, str], Search | None]()
-    for look in rounds:
+    kept, spared = list(findings), dict[tuple[str, str], Search | None]()
+    for look in findings:
         base = alone_again(base, [look.leader.search.fitted()])
         others = _others(kept, look)
         without = rebuild(workshop, base, others, final)
@@ -42,18 +41,18 @@ def needed(
     return tuple(told), base, final
 
 
-def _others(kept: Sequence[Round], look: Round) -> list[Rival]:
+def _others(kept: Sequence[Look], look: Look) -> list[Rival]:
     return [one.leader for one in kept if one is not look]
 
 
 def _asked(rival: Rival, others: Sequence[Rival], misfit: Misfit) -> float:
     """Chi squared that a finding must explain beside the others."""
-    place = place_of(rival.proposal.location)
-    there = [one.drop for one in others if place_of(one.proposal.location) == place]
+    place = rival.place
+    there = [one.drop for one in others if one.place == place]
     return max([price(rival.proposal, misfit), *(THERE * drop for drop in there)])
 
 
-def _before(workshop: Workshop, look: Round, without: Search) -> Misfit:
+def _before(workshop: Workshop, look: Look, without: Search) -> Misfit:
     """The fit with all other findings that were kept: when this one was made, others may have stood beside it."""
     model = without.fitted().model
     return workshop.equipped([model]).misfit(look.before, model)

@@ -5,16 +5,25 @@ from collections.abc import Iterator, Sequence
 from attrs import evolve
 
 from crashkit.diagnose.fitting.contest import identity
-from crashkit.diagnose.fitting.evidence import FLOOR, Rival, best_forms, explains, is_unknown, ranked_by_evidence, rival_of
+from crashkit.diagnose.fitting.evidence import (
+    FLOOR,
+    Rival,
+    best_forms,
+    by_evidence,
+    explains,
+    is_unknown,
+    ranked_by_evidence,
+    rival_of,
+)
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.imitate import imitating
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Round, between, least_drop, look_again
+from crashkit.diagnose.name.look import Look, compared, least_drop, look_again
 from crashkit.diagnose.name.settle import settled
 
 
-def named_before_unknown(inquiry: Inquiry, look: Round) -> tuple[list[Round], Round]:
+def named_before_unknown(inquiry: Inquiry, look: Look) -> tuple[list[Look], Look]:
     """Nothing and the round; or, where an unknown force has won it, what named causes fit better than its table.
 
     One of them may be enough, and only be caught in a poor form or a local optimum. Two are asked for where the table leaves
@@ -34,7 +43,7 @@ def named_before_unknown(inquiry: Inquiry, look: Round) -> tuple[list[Round], Ro
     return [], look
 
 
-def both(inquiry: Inquiry, look: Round) -> tuple[Round, Round] | None:
+def both(inquiry: Inquiry, look: Look) -> tuple[Look, Look] | None:
     """The leading couple of a look as two findings, each in the light of the other; None where one cannot be placed alone, or
     the second does not convince beside the first."""
     couple = look.couples[0]
@@ -44,20 +53,20 @@ def both(inquiry: Inquiry, look: Round) -> tuple[Round, Round] | None:
         return None
     # A claim alone may be caught far away, where the other would seem to explain more than there was to explain.
     without = [min(one, inquiry.base, key=lambda search: search.deviance) for one in (alone[0], alone[1])]
-    first = _beside(look, without[1], identity(couple.second), [])
-    second = _beside(look, without[0], identity(couple.first), [first.leader])
+    first = _second_beside(look, without[1], identity(couple.second), [])
+    second = _second_beside(look, without[0], identity(couple.first), [first.leader])
     return (first, second) if second.winner else None
 
 
-def _beside(look: Round, without: Search, kept: tuple[str, str], found: Sequence[Rival]) -> Round:
+def _second_beside(look: Look, without: Search, kept: tuple[str, str], found: Sequence[Rival]) -> Look:
     """The round of all claims that were coupled with one, that one alone being found before."""
     rivals = []
     for couple in look.couples:
         others = [proposal for proposal in (couple.first, couple.second) if identity(proposal) != kept]
         if len(others) == 1:
             rivals.append(rival_of(others[0], couple.search, without.deviance))
-    ranked = best_forms(sorted(rivals, key=lambda rival: -rival.evidence))
-    return between(evolve(look, before=without.fitted(), least=least_drop(found), couples=()), ranked)
+    ranked = best_forms(by_evidence(rivals))
+    return compared(evolve(look, before=without.fitted(), least=least_drop(found), couples=()), ranked)
 
 
 def _beats(rival: Rival | None, table: Rival) -> bool:
@@ -69,12 +78,12 @@ def _is_all(rival: Rival | None, table: Rival) -> bool:
     return rival is not None and explains(rival.search) and rival.evidence > table.evidence
 
 
-def _named(inquiry: Inquiry, look: Round, table: Rival) -> Round:
+def _named(inquiry: Inquiry, look: Look, table: Rival) -> Look:
     """The round without estimates, with what imitates its table, its winner in the best form."""
     imitations = imitating(inquiry, table)
     rivals = [*look.rivals, *ranked_by_evidence(imitations, table.drop + table.search.deviance)]
-    known = sorted((rival for rival in rivals if not is_unknown(rival)), key=lambda rival: -rival.evidence)
-    first = between(look, best_forms(known))
+    known = by_evidence(rival for rival in rivals if not is_unknown(rival))
+    first = compared(look, best_forms(known))
     if first.winner is None:
         return first
     first = settled(inquiry, first, first.winner, [])
@@ -82,7 +91,7 @@ def _named(inquiry: Inquiry, look: Round, table: Rival) -> Round:
     return best
 
 
-def _pairs(inquiry: Inquiry, named: Round, table: Rival) -> Iterator[tuple[Round, Round]]:
+def _pairs(inquiry: Inquiry, named: Look, table: Rival) -> Iterator[tuple[Look, Look]]:
     """The best named cause, and what is left beside it; then the cause that stands out beside the table, likewise."""
     if named.winner is not None:
         yield named, look_again(inquiry, named.winner.search.fitted(), [named.winner])
@@ -92,5 +101,5 @@ def _pairs(inquiry: Inquiry, named: Round, table: Rival) -> Iterator[tuple[Round
     alone = inquiry.fit_with([beside.winner], beside.winner.search)
     if alone is not None:
         found = evolve(beside.winner, search=alone)
-        first = evolve(beside, rivals=(found, *beside.rivals[1:]))
+        first = beside.led_by(found)
         yield first, look_again(inquiry, alone.fitted(), [found])

@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 from attrs import frozen
 
-from crashkit.diagnose.fitting.blind import sensor_of, that_may_reach
 from crashkit.diagnose.fitting.contest import (
     GROWING,
     Entrant,
@@ -24,6 +23,7 @@ from crashkit.diagnose.fitting.regress import opened, regressed
 from crashkit.diagnose.fitting.reidentify import scattered, understood
 from crashkit.diagnose.fitting.score import Score
 from crashkit.diagnose.fitting.search import Search, begin, weighed
+from crashkit.diagnose.fitting.sensor_bound import sensor_of, that_may_reach
 from crashkit.diagnose.result import UNKNOWN
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
@@ -50,7 +50,7 @@ NOISE_PROMISE = 0.15
 """Share of the drop that a finding needs which is asked of a model at the noise, at its best fit."""
 COUPLED = 0.2
 """Of what the best single claim leaves above the noise: two that leave less are told before any other is asked."""
-HALF = 0.5
+SENSOR_SHARE = 0.5
 """Of what the best claim about the structure explains: an error of a sensor that cannot explain as much is not what was left
 out, or is found next to that."""
 SEEN = 4.5
@@ -111,7 +111,7 @@ def _ahead(workshop: Workshop, base: Misfit, chosen: Sequence[Start], progress: 
     ahead = scouted(workshop, base, structure, (1.0,), most, astray, progress)
     cost = float(begin(workshop.identifier, base).state.cost)
     best = min((search.state.cost for _, search in ahead), default=cost)
-    further = that_may_reach(workshop.identifier, base, readings, cost - HALF * (cost - best))
+    further = that_may_reach(workshop.identifier, base, readings, cost - SENSOR_SHARE * (cost - best))
     return [*ahead, *scouted(workshop, base, further, (1.0,), most, astray, progress)]
 
 
@@ -135,7 +135,7 @@ def further_rivals(
     deviance, astray = base.deviance(base.residual(base.start())), _astray(workshop, base)
     fitted = [(rival.proposal, rival.search) for rival in nearest]
     couples: list[Couple] = []
-    if afresh and may_conceal(base) and not _explained(fitted):
+    if afresh and may_conceal(base) and not _any_explains(fitted):
         plain = [proposal for proposal in proposals if not proposal.refined]
         found, couples = _from_given(workshop, given, plain, astray, progress)
         fitted += found
@@ -182,7 +182,7 @@ def _from_given(
     return [*found, *heats(begun, HEATS, progress)], []
 
 
-def _explained(fitted: Iterable[Entrant]) -> bool:
+def _any_explains(fitted: Iterable[Entrant]) -> bool:
     return any(explains(search) for _, search in fitted)
 
 
@@ -233,7 +233,7 @@ def _polished(
     starts: list[Start] = []
     for proposal in forms:
         found = next((r.search for r in ranked if is_same(r.proposal, proposal)), None)
-        known = found.misfit.values(found.point) if found else {}
+        known = found.values if found else {}
         new = {name: known[name] for name in proposal.parameters if name in known}
         origin = workshop.misfit(given, proposal.model).with_values_of(given)
         origins = [origin.with_values(start) for start in ([new] if new else proposal.starts[:SCATTERED])]

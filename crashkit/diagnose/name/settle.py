@@ -5,11 +5,11 @@ from collections.abc import Sequence
 from attrs import evolve
 
 from crashkit.diagnose.fitting.contest import heats, is_same
-from crashkit.diagnose.fitting.evidence import FLOOR, Rival, best_forms, explains, is_unknown, ranked_by_evidence
+from crashkit.diagnose.fitting.evidence import FLOOR, Rival, best_forms, by_evidence, explains, is_unknown, ranked_by_evidence
 from crashkit.diagnose.fitting.search import begin_all
 from crashkit.diagnose.name.forms import in_all_forms
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Round, between, is_of_readings, open_claims
+from crashkit.diagnose.name.look import Look, compared, is_of_readings, open_claims
 from crashkit.diagnose.name.rivals import CONCEALED, HEATS, again
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.protocols import Proposal
@@ -22,7 +22,7 @@ NEARLY = 0.9
 """Of what a winner explains that leaves something: a rival that explains as much may explain more in another form."""
 
 
-def settled(inquiry: Inquiry, look: Round, winner: Rival, found: Sequence[Rival]) -> Round:
+def settled(inquiry: Inquiry, look: Look, winner: Rival, found: Sequence[Rival]) -> Look:
     """The round with its winner re-identified, where something is left, or numbers are strained; then challenged by claims of
     fewer numbers and by those at its place, of which the closest are asked for in all forms.
 
@@ -36,7 +36,7 @@ def settled(inquiry: Inquiry, look: Round, winner: Rival, found: Sequence[Rival]
     return _contested(inquiry, _challenged(inquiry, look, claims) if claims else look, found)
 
 
-def _reidentified(inquiry: Inquiry, look: Round, winner: Rival) -> Round:
+def _reidentified(inquiry: Inquiry, look: Look, winner: Rival) -> Look:
     if explains(winner.search) or is_unknown(winner):
         return look
     found = again(inquiry.workshop, inquiry.given, winner, inquiry.progress)
@@ -44,21 +44,21 @@ def _reidentified(inquiry: Inquiry, look: Round, winner: Rival) -> Round:
     if not gained > 0.0:
         return look
     better = evolve(winner, search=found, drop=winner.drop + gained, evidence=winner.evidence + 0.5 * gained)
-    return evolve(look, rivals=(better, *look.rivals[1:]))
+    return look.led_by(better)
 
 
-def _challengers(inquiry: Inquiry, look: Round, found: Sequence[Rival]) -> list[Proposal]:
+def _challengers(inquiry: Inquiry, look: Look, found: Sequence[Rival]) -> list[Proposal]:
     """The best rivals that have fewer numbers than the winner, all that the structure may have wrong in one, if it has more,
     and whatever else may act at its place, in plain forms."""
     winner, *others = look.rivals
-    size, place = len(winner.proposal.parameters), place_of(winner.proposal.location)
+    size, place = len(winner.proposal.parameters), winner.place
     rivals = [r.proposal for r in others if not is_unknown(r) and len(r.proposal.parameters) < size][:CHALLENGERS]
     claims = [p for p in open_claims(inquiry, look.before, [winner, *found]) if not p.refined and p.physics != UNKNOWN]
     further = [p for p in claims if place_of(p.location) == place or (len(p.parameters) == 1 < size and not is_of_readings(p))]
     return [*rivals, *(p for p in further if not any(is_same(p, rival) for rival in rivals))]
 
 
-def _challenged(inquiry: Inquiry, look: Round, claims: Sequence[Proposal]) -> Round:
+def _challenged(inquiry: Inquiry, look: Look, claims: Sequence[Proposal]) -> Look:
     """The round with other claims fitted from where its winner has driven the model's own numbers.
 
     A load on a stiff tie is a mass that is wrong, and says so in more numbers; the mass may only have stayed in a valley. And
@@ -69,24 +69,24 @@ def _challenged(inquiry: Inquiry, look: Round, claims: Sequence[Proposal]) -> Ro
     misfits = [workshop.misfit(look.before, claim.model).with_values_of(winner.search.fitted()) for claim in claims]
     begun = list(zip(claims, begin_all(workshop.identifier, misfits), strict=True))
     fitted = ranked_by_evidence(heats(begun, HEATS, inquiry.progress), winner.search.deviance + winner.drop)
-    ranked = best_forms(sorted([*look.rivals, *fitted], key=lambda rival: -rival.evidence))
-    return between(look, ranked) if not is_unknown(ranked[0]) else look
+    ranked = best_forms(by_evidence([*look.rivals, *fitted]))
+    return compared(look, ranked) if not is_unknown(ranked[0]) else look
 
 
-def _contested(inquiry: Inquiry, look: Round, found: Sequence[Rival]) -> Round:
+def _contested(inquiry: Inquiry, look: Look, found: Sequence[Rival]) -> Look:
     """The round with its winner, and what leaves hardly more at the same place, each in all forms.
 
     A damper and friction that is smooth, each in a plain form, may both reach the noise, and only in their best forms differ;
     and a sharp peak, which no plain form has, is imitated by folds.
     """
-    winner, place = look.leader, place_of(look.leader.proposal.location)
-    here = [rival for rival in look.rivals if not is_unknown(rival) and place_of(rival.proposal.location) == place]
+    winner, place = look.leader, look.leader.place
+    here = [rival for rival in look.rivals if not is_unknown(rival) and rival.place == place]
     close = [rival for rival in here[: 1 + CHALLENGERS] if _is_close(rival, winner)]
     if winner.search.normalised > CONCEALED or len(close) < 2:
         return look
     fitted = [one for rival in close for one in in_all_forms(inquiry, rival, found, rival.search)]
     forms = ranked_by_evidence(fitted, winner.search.deviance + winner.drop)
-    return between(look, best_forms(sorted([*look.rivals, *forms], key=lambda rival: -rival.evidence)))
+    return compared(look, best_forms(by_evidence([*look.rivals, *forms])))
 
 
 def _is_close(rival: Rival, winner: Rival) -> bool:

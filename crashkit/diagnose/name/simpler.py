@@ -6,11 +6,11 @@ from crashkit.diagnose.fitting.contest import heats, is_same
 from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import Rival, is_unknown, price_of
 from crashkit.diagnose.fitting.search import begin_all
+from crashkit.diagnose.name.follow import TIE, Discovery
 from crashkit.diagnose.name.forms import with_form
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Round, is_of_readings, open_claims
+from crashkit.diagnose.name.look import Look, is_of_readings, open_claims
 from crashkit.diagnose.name.pairs import both
-from crashkit.diagnose.name.rounds import TIE, Discovery
 
 MANY = 4
 """Numbers of a law that two claims of one number may stand behind."""
@@ -25,9 +25,9 @@ def in_fewer_numbers(inquiry: Inquiry, found: Discovery) -> Discovery:
 
     Alone each of them may leave far more than that, so that neither is followed.
     """
-    if len(found.rounds) != 1 or is_unknown(found.rounds[0].leader):
+    if len(found.findings) != 1 or is_unknown(found.findings[0].leader):
         return found
-    look = found.rounds[0]
+    look = found.findings[0]
     if len(look.leader.proposal.parameters) < MANY:
         return found
     couple = _best_couple(inquiry, look)
@@ -37,17 +37,17 @@ def in_fewer_numbers(inquiry: Inquiry, found: Discovery) -> Discovery:
     if two is None or two[0].winner is None:
         return found
     search = two[1].leader.search
-    return evolve(found, final=search.fitted(), search=search, rounds=two)
+    return evolve(found, final=search.fitted(), search=search, findings=two)
 
 
-def _best_couple(inquiry: Inquiry, look: Round) -> Couple | None:
+def _best_couple(inquiry: Inquiry, look: Look) -> Couple | None:
     """The couple of the look's rivals of one number that leaves least; None if there is none."""
     plain = [rival for rival in look.rivals if len(rival.proposal.parameters) == 1 and not is_of_readings(rival.proposal)]
-    couples = [couple for first in plain[:LEADERS] for couple in _beside(inquiry, first, plain)]
+    couples = [couple for first in plain[:LEADERS] for couple in _couples_with(inquiry, first, plain)]
     return min(couples, key=lambda couple: couple.cost, default=None)
 
 
-def _beside(inquiry: Inquiry, first: Rival, plain: list[Rival]) -> list[Couple]:
+def _couples_with(inquiry: Inquiry, first: Rival, plain: list[Rival]) -> list[Couple]:
     """The fits of all the others beside the first."""
     alone = first.search.fitted()
     open_ = [p for p in open_claims(inquiry, alone, [first]) if any(is_same(p, rival.proposal) for rival in plain)]

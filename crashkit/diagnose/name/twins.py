@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from attrs import evolve
 
 from crashkit.diagnose.fitting.contest import Entrant, heats, identity, propose_all
-from crashkit.diagnose.fitting.evidence import Rival, best_forms, is_unknown, ranked_by_evidence
+from crashkit.diagnose.fitting.evidence import Rival, best_forms, by_evidence, is_unknown, ranked_by_evidence
 from crashkit.diagnose.fitting.rebuild import rebuild
 from crashkit.diagnose.fitting.search import Search, begin, begin_all
+from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.forms import with_form
-from crashkit.diagnose.name.look import Round, between, is_given
-from crashkit.diagnose.name.rounds import Discovery
+from crashkit.diagnose.name.look import Look, compared, is_given
 from crashkit.diagnose.result import own_name
 from crashkit.diagnose.workshop import Workshop
 from crashkit.model import Model
@@ -25,18 +25,18 @@ def beside_twins(workshop: Workshop, discovery: Discovery) -> Discovery:
     Another form of the same physics may have been the one that decided, and its twins were never asked in that: friction on
     the ground acts on a body like friction in its joint to the obstacle, in whatever form. The likeliest of them is told.
     """
-    rounds = tuple(_beside_twins(workshop, discovery, look) for look in discovery.rounds)
-    leading = [look.leader for look in rounds]
-    if [rival.identity for rival in leading] == [look.leader.identity for look in discovery.rounds]:
-        return evolve(discovery, rounds=rounds)
+    findings = tuple(_beside_twins(workshop, discovery, look) for look in discovery.findings)
+    leading = [look.leader for look in findings]
+    if [rival.identity for rival in leading] == [look.leader.identity for look in discovery.findings]:
+        return evolve(discovery, findings=findings)
     search = rebuild(workshop, begin(workshop.identifier, discovery.base), leading, discovery.search)
-    return discovery if search is None else evolve(discovery, rounds=rounds, search=search, final=search.fitted())
+    return discovery if search is None else evolve(discovery, findings=findings, search=search, final=search.fitted())
 
 
-def _beside_twins(workshop: Workshop, discovery: Discovery, look: Round) -> Round:
+def _beside_twins(workshop: Workshop, discovery: Discovery, look: Look) -> Look:
     """The round with twins, which are weighed as the finding is now: what stands beside it may have got a better form."""
     winner = evolve(look.leader, search=discovery.search)
-    others = [one.leader for one in discovery.rounds if one is not look]
+    others = [one.leader for one in discovery.findings if one is not look]
     without = (
         None if is_unknown(winner) else rebuild(workshop, begin(workshop.identifier, discovery.base), others, winner.search)
     )
@@ -45,8 +45,8 @@ def _beside_twins(workshop: Workshop, discovery: Discovery, look: Round) -> Roun
         return look
     fitted = ranked_by_evidence(heats(twins, HEATS, lambda doing, share: None), winner.search.deviance + winner.drop)
     leading = max([winner, *fitted], key=lambda rival: rival.evidence)
-    rivals = sorted([winner, *look.rivals[1:], *fitted], key=lambda rival: -rival.evidence)
-    return between(evolve(look, before=without.fitted()), best_forms([leading, *rivals]))
+    rivals = by_evidence([winner, *look.rivals[1:], *fitted])
+    return compared(evolve(look, before=without.fitted()), best_forms([leading, *rivals]))
 
 
 def _twins(workshop: Workshop, model: Model, without: Search, winner: Rival, others: Sequence[Rival]) -> list[Entrant]:
@@ -63,5 +63,5 @@ def _twins(workshop: Workshop, model: Model, without: Search, winner: Rival, oth
 
 def _numbers(rival: Rival) -> dict[str, float]:
     """What a claim adds, by the names in its law."""
-    values = rival.search.misfit.values(rival.search.point)
+    values = rival.search.values
     return {own_name(path): values[path] for path in rival.proposal.parameters if path in values}

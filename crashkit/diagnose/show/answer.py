@@ -10,14 +10,14 @@ from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.fitting.sharpen import ROUGHLY, weighed_alike
 from crashkit.diagnose.locate.consistency import by_run, check_instruments
-from crashkit.diagnose.name.look import Round
+from crashkit.diagnose.name.follow import Discovery
+from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.name.needed import run_drops
-from crashkit.diagnose.name.rounds import Discovery
 from crashkit.diagnose.result import UNKNOWN, Alternative, Diagnosis, Finding, Fit, place_of
+from crashkit.diagnose.show.expected_error import expected_error
 from crashkit.diagnose.show.experiment import experiment
 from crashkit.diagnose.show.finding import estimates, make_finding, stand_ins
 from crashkit.diagnose.show.fits import curves_of, fit_of, is_misleading, predict
-from crashkit.diagnose.show.foretold import foretold
 from crashkit.diagnose.show.tables import (
     action_of,
     identified_table,
@@ -94,7 +94,7 @@ def _compared(
         fits[name] = {when: fit_of(m, p) for when, m, p in zip(("before", "after"), pair, predictions, strict=True)}
         curves |= curves_of(pair[0], pair[1], predictions, holdout=name == "holdout")
     if unseen:
-        expected, untold = foretold(final, unseen[1], ROUGHLY)
+        expected, untold = expected_error(final, unseen[1], ROUGHLY)
         all_runs = together.normalised if together else math.nan
         after = evolve(fits["holdout"]["after"], expected_rmse=expected, untold=untold, together_rmse=all_runs)
         fits["holdout"]["after"] = after
@@ -106,7 +106,7 @@ def _findings(
 ) -> tuple[tuple[Finding, ...], xr.DataTree]:
     units = units_of(discovery.final.model, discovery.final.groups, workshop)
     told: list[tuple[Finding, dict[str, xr.Dataset]]] = []
-    for look in discovery.rounds:
+    for look in discovery.findings:
         rival = look.leader
         action = action_of(workshop, discovery.final, look.before, rival, unseen)
         kind = workshop.hypotheses[rival.proposal.physics]
@@ -136,7 +136,7 @@ def _imitations_told(
     return [some[0] if len(some) == 1 else (stand_ins([f for f, _ in some], sentence), some[0][1]) for some in together]
 
 
-def _alternatives(look: Round, belief: float) -> list[Alternative]:
+def _alternatives(look: Look, belief: float) -> list[Alternative]:
     """The other claims, as far as they are worth telling."""
     others = zip(look.rivals[1:], look.probabilities[1:], strict=True)
     return [
@@ -146,12 +146,12 @@ def _alternatives(look: Round, belief: float) -> list[Alternative]:
     ]
 
 
-def _with_experiment(workshop: Workshop, finding: Finding, look: Round, bodies: Sequence[Body]) -> Finding:
+def _with_experiment(workshop: Workshop, finding: Finding, look: Look, bodies: Sequence[Body]) -> Finding:
     """The finding with the test that would tell it from its strongest rival, if that is worth telling."""
     if len(look.rivals) < 2 or look.probabilities[1] < WORTH_TELLING:
         return finding
     first, second = look.rivals[:2]
-    name = f"{second.proposal.physics} at {place_of(second.proposal.location)}"
+    name = f"{second.proposal.physics} at {second.place}"
     best, rival = _seen_alike(workshop, first.search.fitted(), second.search.fitted())
     return evolve(finding, experiment=experiment(best, rival, name, bodies))
 

@@ -43,7 +43,7 @@ def make_finding(
         run_drops: drop in chi squared of each run when the finding is let in.
         end: s, of the recordings; an instrument's fault lasts throughout.
     """
-    place = place_of(rival.proposal.location)
+    place = rival.place
     start, stop, phase = _activity(action, end)
     named = tuple(run for run, drop in run_drops.items() if drop > RUN_DROP) or tuple(run_drops)
     strongest = _strongest(action) if rival.proposal.physics == UNKNOWN and action else ""

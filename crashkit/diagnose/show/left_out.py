@@ -36,5 +36,5 @@ def _chi_squared(identifier: Identifier[Any], misfit: Misfit, run: str) -> float
     """Of a run that is predicted from the others."""
     others = tuple(other for other in misfit.recordings if other != run)
     found = begin(identifier, misfit.with_recordings(others)).advance(STEPS)
-    unseen = misfit.with_values(found.misfit.values(found.point)).with_recordings((run,))
+    unseen = misfit.with_values(found.values).with_recordings((run,))
     return float(np.sum(unseen.channel_sums(unseen.residual(unseen.start()))))

@@ -8,7 +8,7 @@ import xarray as xr
 from crashkit.campaign import spread
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.locate.forces import binned, missing_force, on_joint, recorded_motion
-from crashkit.diagnose.name.rounds import Discovery
+from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.result import own_name, place_of
 from crashkit.diagnose.show.left_out import left_out_drop
 from crashkit.diagnose.workshop import Workshop
@@ -23,7 +23,7 @@ LEADING = 3
 
 def ranking_table(discovery: Discovery) -> xr.Dataset:
     """Every rival that was fitted, round by round; the first few also with how they predict runs that are left out."""
-    looks = [*discovery.rounds, *([discovery.last] if discovery.last else [])]
+    looks = [*discovery.findings, *([discovery.last] if discovery.last else [])]
     leading = [(number, look.before, r) for number, look in enumerate(looks) for r in look.rivals[:LEADING]]
     drops = spread(lambda one: left_out_drop(one[1], one[2].search), leading)
     predicted = {(number, r.identity): drop for (number, _, r), drop in zip(leading, drops, strict=True)}
@@ -31,7 +31,7 @@ def ranking_table(discovery: Discovery) -> xr.Dataset:
         (
             r.proposal.physics,
             r.proposal.form,
-            place_of(r.proposal.location),
+            r.place,
             number + 1,
             len(r.proposal.parameters),
             r.drop,
@@ -99,7 +99,7 @@ def action_of(
     stripped = _stripped(without.model, final.model)
     sets = [(final, False), *([(unseen[1], True)] if unseen else [])]
     return {
-        run: _action(workshop, misfit, run, stripped, bodies, place_of(rival.proposal.location), holdout)
+        run: _action(workshop, misfit, run, stripped, bodies, rival.place, holdout)
         for misfit, holdout in sets
         for run in misfit.recordings
     }

@@ -8,7 +8,7 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.diagnose.fitting.evidence import FLOOR
-from crashkit.diagnose.name.rounds import Discovery
+from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.result import Diagnosis, Estimate, Finding, Fit, place_of
 from crashkit.diagnose.show.fits import is_beyond, is_explained, is_worse
 from crashkit.model import Model, Parameter
@@ -53,9 +53,9 @@ def noted(discovery: Discovery, result: Identification, fits: Mapping[str, Mappi
     notes = [f"identification {result.status.value}"] if result.status.name != "CONVERGED" else []
     notes += list(result.unseen)
     left = fits["calibration"]["after"].normalised_rmse
-    if discovery.rounds and left > FLOOR:
+    if discovery.findings and left > FLOOR:
         notes.append(f"what was found leaves {left:.2f} times the noise: the form of its law may be another, or there is more")
-    notes += [str(discovery.pointer)] if discovery.rounds and discovery.pointer else []
+    notes += [str(discovery.pointer)] if discovery.findings and discovery.pointer else []
     notes += of_prediction(fits["holdout"])
     open_levels = sorted({f"{c.instrument}/{c.sensor}" for c in discovery.final.channels if not c.noise.trusted})
     if open_levels:

@@ -11,7 +11,7 @@ from crashkit.diagnose.fitting.evidence import best_forms
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import LEAST_DROP, Round
+from crashkit.diagnose.name.look import LEAST_DROP, Look
 from crashkit.diagnose.name.rivals import further_rivals, nearest_rivals
 from crashkit.mechanics import Simulator
 from crashkit.model import Body, Joint, Parameter
@@ -96,7 +96,7 @@ def found(model, workshop, recorded):
         equipped = workshop.equipped([proposal.model for proposal in proposals])
         nearest, _ = nearest_rivals(equipped, base, proposals, lambda _: LEAST_DROP, silent)
         ranked = further_rivals(equipped, base, given, proposals, nearest, True, silent).rivals
-        look = Round(tuple(best_forms(ranked)), (1.0,), 0.0, base)
+        look = Look(tuple(best_forms(ranked)), (1.0,), 0.0, base)
         inquiry = Inquiry(equipped, given, begin(workshop.identifier, base), silent)
         (look,), search = in_best_forms(inquiry, [look], look.leader.search, thorough=True)
         proposal, search = look.leader.proposal, search.advance(40)

@@ -10,7 +10,7 @@ from crashkit.diagnose.fitting.couples import Couple, Led, _left_beside, _promis
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.regress import opened
 from crashkit.diagnose.fitting.search import begin
-from crashkit.diagnose.name.look import Round
+from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.name.pairs import both
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_factor, with_joint
@@ -64,7 +64,7 @@ def test_no_couple_holds_one_claim_twice_and_none_comes_twice(couples):
 
 def test_each_of_two_findings_is_weighed_beside_the_other(workshop, inquiry, given, couples):
     base = begin(workshop.identifier, given).advance(40)
-    look = Round((), (), 1.0, base.fitted(), couples=tuple(couples))
+    look = Look((), (), 1.0, base.fitted(), couples=tuple(couples))
     rounds = both(inquiry(base), look)
     assert rounds is not None
     assert {one.winner.identity for one in rounds} == SECRETS
@@ -84,7 +84,7 @@ def test_what_a_claim_explains_is_no_more_than_there_was_to_explain(workshop, in
 
     monkeypatch.setattr(name.inquiry, "rebuild", astray)
     base = begin(workshop.identifier, given).advance(40)
-    first, second = both(inquiry(base), Round((), (), 1.0, base.fitted(), couples=tuple(couples)))
+    first, second = both(inquiry(base), Look((), (), 1.0, base.fitted(), couples=tuple(couples)))
     for one in (first, second):
         assert one.leader.drop == pytest.approx(base.deviance - couples[0].search.deviance)
 
@@ -97,7 +97,7 @@ def test_a_second_claim_that_does_not_convince_makes_no_two_findings(workshop, i
         claims = propose_all(workshop, search.fitted())
         biases.append(next(p for p in claims if p.physics == "bias" and p.location["instrument"] == instrument))
         search = begin(workshop.identifier, workshop.misfit(search.fitted(), biases[-1].model)).advance(10)
-    look = Round((), (), 1.0, base.fitted(), couples=(Couple(*biases, search),))
+    look = Look((), (), 1.0, base.fitted(), couples=(Couple(*biases, search),))
     assert all(inquiry(base).fit_with([Rival(bias, search, 0.0, 0.0)], search) for bias in biases)
     assert both(inquiry(base), look) is None
 
@@ -129,5 +129,5 @@ def test_numbers_that_change_nothing_take_nothing_up():
 def test_a_claim_that_cannot_be_placed_alone_makes_no_two_findings(workshop, inquiry, given, couples):
     base = begin(workshop.identifier, given)
     nowhere = evolve(couples[0].second, form="of another world")
-    look = Round((), (), 1.0, given, couples=(Couple(couples[0].first, nowhere, couples[0].search),))
+    look = Look((), (), 1.0, given, couples=(Couple(couples[0].first, nowhere, couples[0].search),))
     assert both(inquiry(base), look) is None

@@ -6,9 +6,9 @@ from attrs import evolve, frozen
 
 from crashkit.diagnose.fitting.contest import propose_all
 from crashkit.diagnose.fitting.evidence import Rival, best_forms, probabilities
+from crashkit.diagnose.fitting.quadratic import Extended, tangent
 from crashkit.diagnose.fitting.score import score
 from crashkit.diagnose.fitting.search import begin
-from crashkit.diagnose.fitting.square import Extended, tangent
 from crashkit.misfit import Misfit
 from crashkit.model import Parameter
 from crashkit.protocols import Proposal

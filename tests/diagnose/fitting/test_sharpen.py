@@ -10,8 +10,8 @@ from crashkit.diagnose.fitting import sharpen
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.in_time import OutOfTimeError
 from crashkit.diagnose.fitting.sharpen import OutrunError, check_pace, check_rate
-from crashkit.diagnose.name.look import Round
-from crashkit.diagnose.name.rounds import Discovery
+from crashkit.diagnose.name.follow import Discovery
+from crashkit.diagnose.name.look import Look
 from crashkit.protocols import Proposal
 
 
@@ -95,9 +95,9 @@ def test_all_is_asked_again_of_finer_recordings_and_the_claim_stands_where_time_
             raise OutrunError(found)
         if not is_answered:
             raise OutOfTimeError
-        return Discovery(base.fitted(), base.fitted(), base, (Round((evolve(found, drop=1.0),), (1.0,), 0.0, base.fitted()),))
+        return Discovery(base.fitted(), base.fitted(), base, (Look((evolve(found, drop=1.0),), (1.0,), 0.0, base.fitted()),))
 
     monkeypatch.setattr(diagnosis, "discover", discover)
-    told = diagnosis._discovered(workshop, model, {"run": recorded(model)}, given, base, [], None)
+    told = diagnosis._discovered_at_pace(workshop, model, {"run": recorded(model)}, given, base, [], None)
     assert asked == [({"run": asked[0][0]["run"]}, []), ({}, [found])]
     assert told.rounds[0].leader.drop == (1.0 if is_answered else 1000.0)

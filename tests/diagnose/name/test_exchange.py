@@ -6,7 +6,7 @@ from crashkit.diagnose.fitting.contest import propose_all
 from crashkit.diagnose.fitting.evidence import rival_of
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name.exchange import exchanged
-from crashkit.diagnose.name.look import Round
+from crashkit.diagnose.name.look import Look
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_joint
 
@@ -31,7 +31,7 @@ def look(workshop, base):
         proposal = next(p for p in proposals if (p.physics, p.form) == (physics, form))
         start = workshop.misfit(before.fitted(), proposal.model).with_values({proposal.parameters[0]: 100.0})
         found = begin(workshop.identifier, start).advance(60)
-        return Round((rival_of(proposal, found, before.deviance),), (1.0,), 0.0, before.fitted())
+        return Look((rival_of(proposal, found, before.deviance),), (1.0,), 0.0, before.fitted())
 
     return at
 

@@ -9,11 +9,11 @@ from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name import explore
 from crashkit.diagnose.name.discover import discover
-from crashkit.diagnose.name.explore import _is_confirmed, _is_wrong_beside_more, _suffices, discovered
+from crashkit.diagnose.name.explore import _is_confirmed, _is_wrong_beside_more, _suffices, explored
+from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Round
+from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.name.nearby import _is_most
-from crashkit.diagnose.name.rounds import Discovery
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_joint
 from crashkit.protocols import Proposal
@@ -26,12 +26,12 @@ def leaving(normalised, physics="fracture", location=None):
     point = SimpleNamespace(departure=lambda at: 0.0)
     search = SimpleNamespace(normalised=normalised, excess=normalised**2 - 1.0, misfit=point, point=None)
     rival = Rival(Proposal(physics, "", location or {"joint": "front"}, None, (), {}), search, 9000.0, 4500.0)
-    return Round((rival,), (1.0,), 0.0, None)
+    return Look((rival,), (1.0,), 0.0, None)
 
 
 def found(normalised, physics=("fracture",), last=True):
-    rounds = tuple(leaving(normalised, one) for one in physics)
-    return Discovery(None, None, rounds[-1].leader.search, rounds, leaving(1.0) if last else None)
+    findings = tuple(leaving(normalised, one) for one in physics)
+    return Discovery(None, None, findings[-1].leader.search, findings, leaving(1.0) if last else None)
 
 
 @pytest.mark.parametrize(("given", "suffices"), [(9.0, True), (2.0, False)])
@@ -80,7 +80,7 @@ def test_what_everything_in_sight_only_confirms_is_told():
     assert _is_confirmed(found(1.12), leaving(1.11))
     assert not _is_confirmed(found(1.12), leaving(1.05))
     assert not _is_confirmed(found(1.12), leaving(1.11, "tension"))
-    assert not _is_confirmed(found(1.12), Round((), (), 1.0, None))
+    assert not _is_confirmed(found(1.12), Look((), (), 1.0, None))
     assert not _is_confirmed(found(1.12, ("fracture", "fracture")), leaving(1.11))
     assert not _is_confirmed(found(1.3), leaving(1.29))
 
@@ -93,17 +93,17 @@ def test_everything_is_asked_again_from_where_the_model_alone_leaves_half_as_muc
 
     def look_again(inquiry, current, *others, **named):
         looked.append(current)
-        return Round((), (), 1.0, None)
+        return Look((), (), 1.0, None)
 
     monkeypatch.setattr(explore, "look_again", look_again)
     monkeypatch.setattr(explore, "alone_again", lambda search, misfits: alone[alone.index(search) + 1])
     monkeypatch.setattr(explore, "may_conceal", lambda misfit: False)
     monkeypatch.setattr(explore, "_won", lambda search, look: None)
-    monkeypatch.setattr(explore, "_widely", lambda inquiry, *others: inquiry.base)
+    monkeypatch.setattr(explore, "_found_widely", lambda inquiry, *others: inquiry.base)
     monkeypatch.setattr(explore, "linked_instead", lambda inquiry, found: found)
     monkeypatch.setattr(explore, "_where_it_acts", lambda inquiry, found: found)
     monkeypatch.setattr(explore, "in_fewer_numbers", lambda inquiry, found: found)
-    found = explore.discovered(inquiry(alone[0], given=alone[0]))
+    found = explore.explored(inquiry(alone[0], given=alone[0]))
     assert looked == leaves[:asked]
     assert found is alone[asked - 1]
 
@@ -113,7 +113,7 @@ def test_an_instrument_is_put_right_first_where_much_more_is_left():
     assert _is_wrong_beside_more(leaving(3.0, "gain_error", SENSOR))
     assert not _is_wrong_beside_more(leaving(1.1, "gain_error", SENSOR))
     assert not _is_wrong_beside_more(leaving(3.0))
-    assert not _is_wrong_beside_more(Round((), (), 1.0, None))
+    assert not _is_wrong_beside_more(Look((), (), 1.0, None))
 
 
 @pytest.mark.parametrize("form", ["constant", "rising"])
@@ -121,7 +121,7 @@ def test_the_form_of_a_reading_is_asked_for_beside_the_structure(monkeypatch, in
     """Alone it made do for what the structure lacks."""
     look, base, final = offered(0.0)
     told = Proposal("gain_error", "constant", SENSOR, None, ("gain",), {})
-    reading = Round((Rival(told, base, 100.0, 40.0), look.leader), (1.0, 0.0), 0.0, base.fitted())
+    reading = Look((Rival(told, base, 100.0, 40.0), look.leader), (1.0, 0.0), 0.0, base.fitted())
     monkeypatch.setattr(explore, "in_all_forms", lambda *_: [(evolve(told, form=form), final)])
     monkeypatch.setattr(Inquiry, "fit_with", lambda inquiry, rivals, last: final)
     beside = explore._told_beside(inquiry(base), reading, look.leader)
@@ -154,12 +154,12 @@ def asked(workshop, inquiry, model, misfit, recorded):
 
 @pytest.mark.parametrize(
     "how",
-    [discovered, lambda inquiry: discover(inquiry, ())],
+    [explored, lambda inquiry: discover(inquiry, ())],
     ids=["the structure is asked first", "kinematics is asked first"],
 )
 def test_an_instrument_that_is_wrong_and_what_the_structure_lacks_are_both_found(asked, how):
     told = asked(how)
-    claims = {look.leader.identity for look in told.rounds}
+    claims = {look.leader.identity for look in told.findings}
     assert claims == {("viscous_damping", "joint first"), ("gain_error", "sensor front_sensor")}
     assert told.search.normalised < 1.0
     values = told.search.misfit.values(told.search.point)

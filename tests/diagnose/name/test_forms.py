@@ -5,11 +5,11 @@ from attrs import evolve
 
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.name.follow import reconsidered
 from crashkit.diagnose.name.forms import in_best_forms
-from crashkit.diagnose.name.look import LEAST_DROP, Round
+from crashkit.diagnose.name.look import LEAST_DROP, Look
 from crashkit.diagnose.name.needed import run_drops
 from crashkit.diagnose.name.rivals import further_rivals, nearest_rivals
-from crashkit.diagnose.name.rounds import reconsidered
 from crashkit.model import Parameter
 from crashkit.model.edit import with_factor
 
@@ -54,7 +54,7 @@ def finding(workshop, proposed):
         start = workshop.misfit(search.fitted(), proposal.model).with_values({proposal.parameters[0]: 0.01})
         found = begin(workshop.identifier, start).advance(60)
         drop = search.deviance - found.deviance
-        return Round((Rival(proposal, found, drop, 0.5 * drop),), (1.0,), 0.0, search.fitted())
+        return Look((Rival(proposal, found, drop, 0.5 * drop),), (1.0,), 0.0, search.fitted())
 
     return find
 

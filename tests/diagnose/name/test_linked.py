@@ -8,9 +8,9 @@ from attrs import evolve
 
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.linked import linked_instead
-from crashkit.diagnose.name.look import Round, look_again
-from crashkit.diagnose.name.rounds import Discovery
+from crashkit.diagnose.name.look import Look, look_again
 from crashkit.diagnose.result import place_of
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_joint
@@ -43,11 +43,11 @@ def test_it_is_told_with_its_place_and_what_drives_it_and_with_its_force(asked):
     inquiry, fast = asked
     wrong = of(inquiry, "viscous_damping")
     told = linked_instead(inquiry, wrong)
-    (claim,) = [look.leader for look in told.rounds]
+    (claim,) = [look.leader for look in told.findings]
     assert (place_of(claim.proposal.location), claim.proposal.form) == ("joint second", "deformation of first")
     assert told.search.normalised < 1.1 < wrong.search.normalised
-    assert told.rounds[0].probabilities[0] == max(told.rounds[0].probabilities)
-    assert wrong.rounds[0].leader.proposal.physics in [rival.proposal.physics for rival in told.rounds[0].rivals]
+    assert told.findings[0].probabilities[0] == max(told.findings[0].probabilities)
+    assert wrong.findings[0].leader.proposal.physics in [rival.proposal.physics for rival in told.findings[0].rivals]
     assert told.final.model.joints[-1].acts_on == ("front", "rear")
     felt, true = (motion["contact_force"].sel(body="rear").values for motion in (predicted(told), fast))
     np.testing.assert_allclose(felt, true, atol=0.03 * np.abs(true).max())
@@ -62,11 +62,11 @@ def test_what_leaves_little_or_accuses_an_instrument_stays(asked):
     wrong = of(inquiry, "viscous_damping")
     at_noise = evolve(wrong, search=SimpleNamespace(normalised=1.1))
     assert linked_instead(inquiry, at_noise) is at_noise
-    sensor = evolve(wrong.rounds[0].leader.proposal, location={"sensor": "front", "instrument": "accelerometer"})
-    look = evolve(wrong.rounds[0], rivals=(evolve(wrong.rounds[0].leader, proposal=sensor),))
-    accused = evolve(wrong, rounds=(look,))
+    sensor = evolve(wrong.findings[0].leader.proposal, location={"sensor": "front", "instrument": "accelerometer"})
+    look = evolve(wrong.findings[0], rivals=(evolve(wrong.findings[0].leader, proposal=sensor),))
+    accused = evolve(wrong, findings=(look,))
     assert linked_instead(inquiry, accused) is accused
-    nothing = Discovery(wrong.base, wrong.base, inquiry.base, (), Round((), (), 1.0, wrong.base))
+    nothing = Discovery(wrong.base, wrong.base, inquiry.base, (), Look((), (), 1.0, wrong.base))
     assert linked_instead(inquiry, nothing) is nothing
 
 
@@ -74,6 +74,6 @@ def test_where_there_is_but_one_joint_nothing_is_asked(workshop, misfit, recorde
     base = begin(workshop.identifier, misfit(model, run=recorded(model))).advance(3)
     only = inquiry(base, hypotheses={"unknown": workshop.hypotheses["unknown"]})
     claim = Rival(Proposal("fracture", "", {"joint": "first"}, None, (), {}), base, 9.0, 4.0)
-    look = Round((claim,), (1.0,), 0.0, base.fitted())
+    look = Look((claim,), (1.0,), 0.0, base.fitted())
     found = Discovery(base.fitted(), base.fitted(), SimpleNamespace(normalised=2.0, excess=3.0), (look,))
     assert linked_instead(only, found) is found

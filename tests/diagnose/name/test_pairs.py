@@ -8,7 +8,7 @@ from attrs import evolve
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.name import pairs
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Round
+from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.result import UNKNOWN
 from crashkit.protocols import Proposal
 
@@ -20,7 +20,7 @@ def rival(physics, deviance, normalised=1.5):
 
 
 def won_by(*rivals):
-    return Round(rivals, (1.0,) + (0.0,) * (len(rivals) - 1), 0.0, None)
+    return Look(rivals, (1.0,) + (0.0,) * (len(rivals) - 1), 0.0, None)
 
 
 @pytest.fixture
@@ -29,9 +29,9 @@ def named(monkeypatch, inquiry):
     best named cause in its best form so well."""
 
     def ask(look, later, alone=3000.0, formed=None, imitation=None, is_all=False):
-        def better(rounds):
-            found = rival(rounds[0].leader.proposal.physics, formed) if formed else rounds[0].leader
-            return [evolve(rounds[0], rivals=(found, *rounds[0].rivals[1:]))]
+        def better(findings):
+            found = rival(findings[0].leader.proposal.physics, formed) if formed else findings[0].leader
+            return [evolve(findings[0], rivals=(found, *findings[0].rivals[1:]))]
 
         looks = iter(later)
         monkeypatch.setattr(pairs, "explains", lambda search: is_all)
@@ -40,7 +40,7 @@ def named(monkeypatch, inquiry):
         monkeypatch.setattr(pairs, "ranked_by_evidence", lambda found, reference: [rival(*one) for one in found])
         monkeypatch.setattr(pairs, "look_again", lambda *_: next(looks))
         monkeypatch.setattr(pairs, "settled", lambda inquiry, look, winner, found: look)
-        monkeypatch.setattr(pairs, "in_best_forms", lambda inquiry, rounds, search: (better(rounds), search))
+        monkeypatch.setattr(pairs, "in_best_forms", lambda inquiry, findings, search: (better(findings), search))
         monkeypatch.setattr(Inquiry, "fit_with", lambda inquiry, rivals, last: rival("alone", alone).search)
         first, then = pairs.named_before_unknown(inquiry(None), look)
         return [one.leader.proposal.physics for one in first], then.leader.proposal.physics

@@ -9,7 +9,7 @@ from crashkit.diagnose.fitting.contest import propose_all
 from crashkit.diagnose.fitting.evidence import Rival, ranked_by_evidence
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name import settle
-from crashkit.diagnose.name.look import Round
+from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.name.settle import settled
 from crashkit.testing import toys
 
@@ -64,7 +64,7 @@ def test_a_load_on_a_stiff_tie_gives_way_to_a_mass_that_is_wrong(workshop, inqui
     ]
     rivals = ranked_by_evidence([(load, begun[0].advance(60)), (mass, begun[1])], base.deviance)[: 2 if entered else 1]
     assert rivals[0].proposal is load
-    look = settled(inquiry(base, given=base.fitted()), Round(tuple(rivals), (1.0, 0.0), 0.0, base.fitted()), rivals[0], [])
+    look = settled(inquiry(base, given=base.fitted()), Look(tuple(rivals), (1.0, 0.0), 0.0, base.fitted()), rivals[0], [])
     assert look.winner.identity == ("added_mass", "body rear")
     found = look.winner.search
     assert found.misfit.values(found.point)["body.rear.mass"] == pytest.approx(1.2 * rear.value, rel=0.02)

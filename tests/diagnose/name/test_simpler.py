@@ -6,8 +6,8 @@ from attrs import evolve
 from crashkit.diagnose.fitting.contest import identity, propose_all
 from crashkit.diagnose.fitting.evidence import ranked_by_evidence
 from crashkit.diagnose.fitting.search import begin
-from crashkit.diagnose.name.look import Round
-from crashkit.diagnose.name.rounds import Discovery
+from crashkit.diagnose.name.follow import Discovery
+from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.name.simpler import in_fewer_numbers
 from crashkit.testing import toys
 
@@ -34,7 +34,7 @@ def asked(workshop, inquiry, misfit, recorded):
         rivals = ranked_by_evidence(fits, base.deviance)
         load = next(rival for rival in rivals if rival.proposal.physics == "carried_load")
         ranked = (load, *(rival for rival in rivals if rival is not load))
-        found = Discovery(base.fitted(), load.search.fitted(), load.search, (Round(ranked, (1.0,), 0.0, base.fitted()),))
+        found = Discovery(base.fitted(), load.search.fitted(), load.search, (Look(ranked, (1.0,), 0.0, base.fitted()),))
         return found, in_fewer_numbers(inquiry(base, given=base.fitted()), found)
 
     return ask
@@ -42,7 +42,7 @@ def asked(workshop, inquiry, misfit, recorded):
 
 def test_a_load_in_a_belt_gives_way_to_a_mass_and_a_gap(asked):
     found, told = asked(1.1, 0.1)
-    assert {look.leader.identity for look in told.rounds} == {MASS, GAP}
+    assert {look.leader.identity for look in told.findings} == {MASS, GAP}
     assert told.search.deviance < found.search.deviance
 
 
@@ -53,7 +53,7 @@ def test_a_gap_that_nothing_asks_for_is_not_told_beside_a_mass(asked):
 
 def test_a_law_of_few_numbers_is_not_questioned(asked, inquiry):
     found, _ = asked(1.1, 0.1)
-    look = found.rounds[0]
+    look = found.findings[0]
     mass = next(rival for rival in look.rivals if rival.identity == MASS)
-    simple = evolve(found, rounds=(evolve(look, rivals=(mass, *look.rivals[:1])),))
+    simple = evolve(found, findings=(evolve(look, rivals=(mass, *look.rivals[:1])),))
     assert in_fewer_numbers(inquiry(None), simple) is simple

@@ -6,8 +6,8 @@ from attrs import evolve
 from crashkit.diagnose.fitting.contest import propose_all
 from crashkit.diagnose.fitting.evidence import rival_of
 from crashkit.diagnose.fitting.search import begin
-from crashkit.diagnose.name.look import Round
-from crashkit.diagnose.name.rounds import Discovery
+from crashkit.diagnose.name.follow import Discovery
+from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.name.twins import beside_twins
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_joint
@@ -34,7 +34,7 @@ def beside(workshop, rubbing):
 
     def beside(odds):
         base, falling, search = rubbing
-        look = Round((rival_of(evolve(falling, odds=odds), search, base.deviance),), (1.0,), 0.0, base.fitted())
+        look = Look((rival_of(evolve(falling, odds=odds), search, base.deviance),), (1.0,), 0.0, base.fitted())
         return beside_twins(workshop, Discovery(base.fitted(), search.fitted(), search, (look,)))
 
     return beside
@@ -42,7 +42,7 @@ def beside(workshop, rubbing):
 
 def test_friction_in_the_joint_to_the_wall_may_be_friction_on_the_ground(beside):
     """Both forces are the same; the form that falls with the rate was only ever fitted in the joint."""
-    (told,) = beside(1.0).rounds
+    (told,) = beside(1.0).findings
     assert {rival.identity for rival in told.rivals[:2]} == TWINS
     assert abs(told.probabilities[0] - told.probabilities[1]) < 0.2
     assert sum(told.probabilities[:2]) > 0.95
@@ -50,7 +50,7 @@ def test_friction_in_the_joint_to_the_wall_may_be_friction_on_the_ground(beside)
 
 def test_the_likeliest_of_them_is_told(beside, rubbing):
     discovery = beside(0.2)
-    (told,) = discovery.rounds
+    (told,) = discovery.findings
     assert [rival.proposal.physics for rival in told.rivals[:2]] == ["ground_friction", "joint_friction"]
     assert told.probabilities[0] == pytest.approx(5.0 * told.probabilities[1], rel=0.5)
     assert set(told.leader.proposal.parameters) <= set(discovery.final.names)
@@ -61,9 +61,9 @@ def test_an_estimated_force_has_no_twins(workshop, model, misfit, recorded):
     base = begin(workshop.identifier, misfit(model, run=recorded(model)))
     table = next(p for p in propose_all(workshop, base.fitted()) if p.physics == "unknown")
     search = begin(workshop.identifier, workshop.misfit(base.fitted(), table.model))
-    look = Round((rival_of(table, search, base.deviance),), (1.0,), 0.0, base.fitted())
+    look = Look((rival_of(table, search, base.deviance),), (1.0,), 0.0, base.fitted())
     discovery = Discovery(base.fitted(), search.fitted(), search, (look,))
-    assert beside_twins(workshop, discovery).rounds == discovery.rounds
+    assert beside_twins(workshop, discovery).findings == discovery.findings
 
 
 def test_what_another_finding_added_is_no_place_for_a_twin(workshop, rubbing):
@@ -72,7 +72,7 @@ def test_what_another_finding_added_is_no_place_for_a_twin(workshop, rubbing):
     breaks = next(p for p in propose_all(workshop, rubs.fitted()) if (p.physics, p.form) == ("fracture", "compression"))
     both = begin(workshop.identifier, workshop.misfit(rubs.fitted(), breaks.model).with_values(breaks.starts[0])).advance(5)
     claims = [rival_of(falling, both, base.deviance), rival_of(breaks, both, rubs.deviance)]
-    looks = tuple(Round((claim,), (1.0,), 0.0, base.fitted()) for claim in claims)
+    looks = tuple(Look((claim,), (1.0,), 0.0, base.fitted()) for claim in claims)
     told = beside_twins(workshop, Discovery(base.fitted(), both.fitted(), both, looks))
-    places = {rival.proposal.location.get("joint") for look in told.rounds for rival in look.rivals}
+    places = {rival.proposal.location.get("joint") for look in told.findings for rival in look.rivals}
     assert places <= {"first", None}

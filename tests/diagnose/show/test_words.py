@@ -96,10 +96,10 @@ def test_a_number_that_came_out_far_from_what_was_given_is_noted(model):
 
 
 @pytest.mark.parametrize(
-    ("rounds", "pointer", "notes"), [(("one",), "there", ["there"]), ((), "there", []), (("one",), None, [])]
+    ("findings", "pointer", "notes"), [(("one",), "there", ["there"]), ((), "there", []), (("one",), None, [])]
 )
-def test_what_pointed_to_a_place_is_noted_with_the_finding_there(rounds, pointer, notes):
-    discovery = SimpleNamespace(rounds=rounds, pointer=pointer, final=SimpleNamespace(channels=()))
+def test_what_pointed_to_a_place_is_noted_with_the_finding_there(findings, pointer, notes):
+    discovery = SimpleNamespace(findings=findings, pointer=pointer, final=SimpleNamespace(channels=()))
     result = SimpleNamespace(status=Status.CONVERGED, unseen=())
     fits = {"calibration": {"after": Fit(1.0, xr.Dataset())}, "holdout": {}}
     assert list(noted(discovery, result, fits)) == notes

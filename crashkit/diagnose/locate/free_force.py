@@ -23,7 +23,7 @@ SAME = 1e-3
 
 
 @frozen
-class Course:
+class FreeForce:
     """A force of any course at one place.
 
     Attributes:
@@ -34,6 +34,11 @@ class Course:
     proposal: Proposal
     left: float
 
+    @property
+    def place(self) -> str:
+        """Where, for people."""
+        return place_of(self.proposal.location)
+
 
 @frozen
 class Pointer:
@@ -43,18 +48,18 @@ class Pointer:
         first, second: the courses there.
     """
 
-    first: Course
-    second: Course
+    first: FreeForce
+    second: FreeForce
 
     def __str__(self) -> str:
-        first, second = (place_of(one.proposal.location) for one in (self.first, self.second))
+        first, second = (one.place for one in (self.first, self.second))
         return (
             f"the equations of motion point to {first}: a single force there, of another course in each run, would leave "
             f"{self.first.left / self.second.left:.0%} of what one at {second} would"
         )
 
 
-def outstanding(found: Sequence[Course]) -> Pointer | None:
+def outstanding(found: Sequence[FreeForce]) -> Pointer | None:
     """The place that stands out, of courses that are sorted by what they leave; None where two leave about as much.
 
     Of places that leave the same, as a body and the only joint that holds it to the ground, the first speaks for all.
@@ -63,7 +68,7 @@ def outstanding(found: Sequence[Course]) -> Pointer | None:
     return Pointer(found[0], others[0]) if others and found[0].left < PLAINLY * others[0].left else None
 
 
-def courses(workshop: Workshop, given: Misfit) -> list[Course]:
+def free_forces(workshop: Workshop, given: Misfit) -> list[FreeForce]:
     """Of every joint and body what a force of any course there would leave of the equations of motion, the least first.
 
     Along the measured motion this needs no law: whatever acts between two bodies accelerates just these two, and oppositely.
@@ -81,7 +86,7 @@ def courses(workshop: Workshop, given: Misfit) -> list[Course]:
     return sorted((one for one in found if one is not None), key=lambda one: one.left)
 
 
-def _course(workshop: Workshop, misfit: Misfit, force: Proposal) -> Course | None:
+def _course(workshop: Workshop, misfit: Misfit, force: Proposal) -> FreeForce | None:
     """None where what nobody saw cannot be simulated beside what was measured."""
     try:
         problem = _Free(workshop, misfit, force)
@@ -92,7 +97,7 @@ def _course(workshop: Workshop, misfit: Misfit, force: Proposal) -> Course | Non
             state = workshop.identifier.step(problem, state)
     except CrashkitError:
         return None
-    return Course(force, 2.0 * float(state.cost))
+    return FreeForce(force, 2.0 * float(state.cost))
 
 
 class _Free(SameVariables):

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable
 
-from crashkit.diagnose.fitting.evidence import Rival, is_unknown, ranked_by_evidence
+from crashkit.diagnose.fitting.evidence import Rival, by_evidence, is_unknown, ranked_by_evidence
 from crashkit.diagnose.name.forms import in_all_forms
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Round, between, look_again
+from crashkit.diagnose.name.look import Look, compared, look_again
 
 MOST = 5
 """How many are tried, of which each costs a quick look."""
@@ -13,7 +13,7 @@ HOPEFUL = 4.0
 """Deviance that another beginning may leave, relative to what the first finding leaves."""
 
 
-def begun_otherwise(inquiry: Inquiry, first: Round, least: float) -> tuple[Round, Round] | None:
+def begun_otherwise(inquiry: Inquiry, first: Look, least: float) -> tuple[Look, Look] | None:
     """A first finding that is not the winner of the first round, and the second that it brings; None if no two fit better.
 
     The form that suits one effect alone is not the one that it has beside another, nor need the claim be.
@@ -27,11 +27,11 @@ def begun_otherwise(inquiry: Inquiry, first: Round, least: float) -> tuple[Round
         winner = second.winner
         if winner is not None and not is_unknown(winner) and winner.search.deviance < least:
             rest = [other for other in first.rivals if other.identity != rival.identity]
-            best, least = (between(first, [rival, *rest]), second), winner.search.deviance
+            best, least = (compared(first, [rival, *rest]), second), winner.search.deviance
     return best
 
 
-def _others(inquiry: Inquiry, first: Round) -> Iterable[Rival]:
+def _others(inquiry: Inquiry, first: Look) -> Iterable[Rival]:
     """The most evident of the winner's other forms and of the other claims."""
     winner, *others = first.rivals
     fitted = in_all_forms(inquiry, winner, [], winner.search)
@@ -39,4 +39,4 @@ def _others(inquiry: Inquiry, first: Round) -> Iterable[Rival]:
     forms = {rival.proposal.form: rival for rival in reversed(ranked) if rival.proposal.form != winner.proposal.form}
     named = [rival for rival in others if not is_unknown(rival)]
     hopeful = [one for one in (*forms.values(), *named) if one.search.deviance < HOPEFUL * winner.search.deviance]
-    return sorted(hopeful, key=lambda rival: -rival.evidence)[:MOST]
+    return by_evidence(hopeful)[:MOST]

@@ -9,11 +9,8 @@ from attrs import evolve
 from crashkit.diagnose.diagnosis import _is_worthless, _leading
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
-from crashkit.diagnose.name import rounds as questioned
-from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import LEAST_DROP, Round, is_given, least_drop
-from crashkit.diagnose.name.needed import _asked, needed, price
-from crashkit.diagnose.name.rounds import (
+from crashkit.diagnose.name import follow as questioned
+from crashkit.diagnose.name.follow import (
     Discovery,
     _corrects,
     _freed,
@@ -23,6 +20,9 @@ from crashkit.diagnose.name.rounds import (
     leave_a_trace,
     reconsidered,
 )
+from crashkit.diagnose.name.inquiry import Inquiry
+from crashkit.diagnose.name.look import LEAST_DROP, Look, is_given, least_drop
+from crashkit.diagnose.name.needed import _asked, needed, price
 from crashkit.diagnose.show.left_out import left_out_drop
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_body, with_joint
@@ -75,8 +75,8 @@ def test_a_run_that_contradicts_is_asked_for_what_was_found_before_everything(of
     look, base, _ = offered(800.0)
     doubtful = evolve(look, probabilities=(0.6,))
     one, none, two, other = (
-        Discovery(base.fitted(), base.fitted(), base, rounds, last)
-        for rounds, last in (((look,), None), ((), look), ((look, look), None), ((look, doubtful), None))
+        Discovery(base.fitted(), base.fitted(), base, findings, last)
+        for findings, last in (((look,), None), ((), look), ((look, look), None), ((look, doubtful), None))
     )
     assert _leading(one) == _leading(none) == (look,)
     assert _leading(two) == (look, look)
@@ -96,7 +96,7 @@ def test_a_table_corrects_a_law_that_was_named_at_its_place():
     def rival(physics, joint):
         return Rival(Proposal(physics, "", {"joint": joint}, None, (), {}), None, 100.0, 50.0)
 
-    named = [Round((rival("peak_load", "front"),), (1.0,), 0.0, None)]
+    named = [Look((rival("peak_load", "front"),), (1.0,), 0.0, None)]
     assert _corrects(rival("unknown", "front"), named)
     assert not _corrects(rival("unknown", "rear"), named)
     assert not _corrects(rival("fracture", "front"), named)
@@ -110,7 +110,7 @@ def test_an_estimate_beside_a_named_finding_must_explain_a_tenth_of_it(physics, 
     """Less is how far the form of that is off. Alone an estimate is a finding like others."""
     search = SimpleNamespace(normalised=1.0)
     named = [
-        Round((Rival(Proposal("peak_load", "", {"joint": "front"}, None, (), {}), None, 1000.0, 50.0),), (1.0,), 0.0, None)
+        Look((Rival(Proposal("peak_load", "", {"joint": "front"}, None, (), {}), None, 1000.0, 50.0),), (1.0,), 0.0, None)
     ]
     winner = Rival(Proposal(physics, "", {"joint": "rear"}, None, (), {}), search, drop, 50.0)
     assert _is_one_too_many(winner, named) is not told
@@ -120,7 +120,7 @@ def test_an_estimate_beside_a_named_finding_must_explain_a_tenth_of_it(physics, 
 def leaving(physics, left):
     """A round whose winner leaves so much of the noise."""
     search = SimpleNamespace(normalised=left, excess=left**2 - 1.0, fitted=lambda: None)
-    return Round((Rival(Proposal(physics, "", {"joint": physics}, None, (), {}), search, 9e5, 4.5e5),), (1.0,), 0.0, None)
+    return Look((Rival(Proposal(physics, "", {"joint": physics}, None, (), {}), search, 9e5, 4.5e5),), (1.0,), 0.0, None)
 
 
 def test_beside_two_that_leave_a_trace_of_what_is_gross_no_third_is_looked_for(monkeypatch, inquiry):
@@ -128,14 +128,14 @@ def test_beside_two_that_leave_a_trace_of_what_is_gross_no_third_is_looked_for(m
         raise AssertionError("nothing more was to be asked")
 
     monkeypatch.setattr(questioned, "_freed", lambda *_: None)
-    monkeypatch.setattr(questioned, "_one_more", lambda _, rounds, look, winner: ([*rounds, look], winner.search))
+    monkeypatch.setattr(questioned, "_one_more", lambda _, findings, look, winner: ([*findings, look], winner.search))
     monkeypatch.setattr(questioned, "look_again", look_again)
     base = leaving("nothing", 40.0).leader.search
     found, _ = followed(inquiry(base, given=True), [leaving("tension", 3.0)], leaving("fracture", 1.6))
-    assert [look.leader.proposal.physics for look in found.rounds] == ["tension", "fracture"]
-    assert leave_a_trace(found.rounds, found.search, base)
-    assert not leave_a_trace(found.rounds, found.search, leaving("nothing", 9.0).leader.search)
-    assert not leave_a_trace(found.rounds[:1], found.search, base)
+    assert [look.leader.proposal.physics for look in found.findings] == ["tension", "fracture"]
+    assert leave_a_trace(found.findings, found.search, base)
+    assert not leave_a_trace(found.findings, found.search, leaving("nothing", 9.0).leader.search)
+    assert not leave_a_trace(found.findings[:1], found.search, base)
 
 
 @pytest.mark.parametrize(("left", "told"), [(1.01, 3), (1.6, 2)])
@@ -143,12 +143,12 @@ def test_a_third_cause_is_only_estimated_where_it_leaves_nothing(monkeypatch, in
     """Two forms that are off look like one."""
     looks = iter([leaving("unknown", left)])
     monkeypatch.setattr(questioned, "_freed", lambda *_: None)
-    monkeypatch.setattr(questioned, "_one_more", lambda _, rounds, look, winner: ([*rounds, look], winner.search))
-    monkeypatch.setattr(questioned, "_questioned", lambda _, rounds, search, last: (rounds, search))
+    monkeypatch.setattr(questioned, "_one_more", lambda _, findings, look, winner: ([*findings, look], winner.search))
+    monkeypatch.setattr(questioned, "_questioned", lambda _, findings, search, last: (findings, search))
     monkeypatch.setattr(questioned, "look_again", lambda *_, **__: next(looks))
     base = leaving("nothing", 9.0).leader.search
     found, _ = followed(inquiry(base, given=True), [leaving("tension", 5.0)], leaving("fracture", 3.0))
-    assert len(found.rounds) == told
+    assert len(found.findings) == told
 
 
 @pytest.mark.parametrize(("times", "is_begun"), [(1.0, True), (2.0, False)])
@@ -171,13 +171,13 @@ def test_a_finding_that_is_questioned_stays_unless_it_explains_too_little(monkey
 
     def one(physics):
         proposal = Proposal(physics, "", {"joint": physics}, None, (), {})
-        return Round((Rival(proposal, None, 9000.0, 4500.0),), (1.0,), 0.0, None)
+        return Look((Rival(proposal, None, 9000.0, 4500.0),), (1.0,), 0.0, None)
 
     def without(inquiry, rivals, last):
         deviance = alone if [rival.proposal.physics for rival in rivals] == ["bias"] else 9000.0
         return SimpleNamespace(deviance=deviance, normalised=1.5, excess=1.25, fitted=lambda: None)
 
-    nothing = Round((), (), 1.0, None, least=180.0)
+    nothing = Look((), (), 1.0, None, least=180.0)
     monkeypatch.setattr(questioned, "_was_asked", lambda look, without: False)
     monkeypatch.setattr(Inquiry, "fit_with", without)
     monkeypatch.setattr(questioned, "wakened", lambda workshop, search: search)
@@ -196,10 +196,10 @@ def test_what_all_but_next_to_nothing_hangs_on_is_not_questioned(monkeypatch, in
     monkeypatch.setattr(questioned, "_spared", lambda *_: without)
     monkeypatch.setattr(questioned, "_was_asked", lambda look, without: False)
     monkeypatch.setattr(questioned, "in_best_forms", lambda inquiry, looks, search: (looks, search))
-    monkeypatch.setattr(questioned, "look_again", lambda *_: asked.append(left) or Round((), (), 1.0, None, least=180.0))
+    monkeypatch.setattr(questioned, "look_again", lambda *_: asked.append(left) or Look((), (), 1.0, None, least=180.0))
     finding = Rival(Proposal("fracture", "", {"joint": "rails"}, None, (), {}), None, 8000.0, 4000.0)
     together = SimpleNamespace(deviance=1000.0, normalised=2.0**0.5, excess=1.0)
-    kept, _ = reconsidered(inquiry(None), [Round((finding,), (1.0,), 0.0, None)], together)
+    kept, _ = reconsidered(inquiry(None), [Look((finding,), (1.0,), 0.0, None)], together)
     assert len(kept) == 1
     assert bool(asked) is is_asked
 
@@ -233,11 +233,11 @@ def test_the_same_is_not_asked_twice(workshop, model, misfit, recorded):
     same, worse, other = (
         begin(workshop.identifier, one) for one in (exact, off, workshop.equipped([dashpot]).misfit(exact, dashpot))
     )
-    look = Round((), (), 1.0, exact)
+    look = Look((), (), 1.0, exact)
     assert _was_asked(look, same)
     assert _was_asked(look, worse)
     assert not _was_asked(look, other)
-    assert not _was_asked(Round((), (), 1.0, off), same)
+    assert not _was_asked(Look((), (), 1.0, off), same)
 
 
 def test_a_third_finding_must_explain_more_than_a_second():
@@ -270,8 +270,8 @@ def test_one_run_leaves_nothing_to_predict(offered):
 @pytest.mark.parametrize(("place", "convinces"), [({"joint": "front"}, False), ({"sensor": "front", "instrument": "a"}, True)])
 def test_a_claim_about_one_instrument_need_not_explain_as_much_as_the_error_of_a_form(place, convinces):
     rival = Rival(Proposal("any", "", place, None, (), {}), None, 250.0, 100.0)
-    assert (Round((rival,), (1.0,), 0.0, None, least=1000.0).winner is rival) == convinces
-    assert Round((rival,), (1.0,), 0.0, None, least=5000.0).winner is None
+    assert (Look((rival,), (1.0,), 0.0, None, least=1000.0).winner is rival) == convinces
+    assert Look((rival,), (1.0,), 0.0, None, least=5000.0).winner is None
 
 
 @pytest.mark.parametrize(("damping", "least", "convinces"), [(800.0, 2.0, True), (800.0, 10.0, False), (0.0, 2.0, False)])
@@ -297,20 +297,20 @@ def completed(monkeypatch, inquiry):
         formed = claimed(claim.proposal.physics, claim.proposal.location["joint"], then, "formed")
         monkeypatch.setattr(questioned, "in_all_forms", lambda *_: [(formed.proposal, formed.search)])
         monkeypatch.setattr(questioned, "settled", lambda inquiry, look, *_: look)
-        monkeypatch.setattr(questioned, "in_best_forms", lambda inquiry, rounds, search: (rounds, search))
+        monkeypatch.setattr(questioned, "in_best_forms", lambda inquiry, findings, search: (findings, search))
         monkeypatch.setattr(questioned, "explains", lambda search: search.normalised < 1.02)
-        found = Round((claimed("tension", "first", 3.0),), (1.0,), 0.0, None)
+        found = Look((claimed("tension", "first", 3.0),), (1.0,), 0.0, None)
         table = claimed("unknown", "second", 1.5)
-        look = Round((table, claim), (0.5, 0.5), nothing, None, least=1e6)
+        look = Look((table, claim), (0.5, 0.5), nothing, None, least=1e6)
         return questioned._completed(inquiry(None), [found], found.leader.search, look)
 
     return ask
 
 
 def test_a_second_cause_that_leaves_nothing_in_its_best_form_is_told_though_it_convinced_in_none_yet(completed):
-    rounds, search = completed(claimed("fracture", "second", 1.7), then=1.01)
-    assert [look.leader.proposal.form for look in rounds] == ["", "formed"]
-    assert [rival.proposal.physics for rival in rounds[1].rivals] == ["fracture", "unknown"]
+    findings, search = completed(claimed("fracture", "second", 1.7), then=1.01)
+    assert [look.leader.proposal.form for look in findings] == ["", "formed"]
+    assert [rival.proposal.physics for rival in findings[1].rivals] == ["fracture", "unknown"]
     assert search.normalised == 1.01
 
 

@@ -6,7 +6,7 @@ from crashkit.diagnose.fitting.search import Search, begun_again
 from crashkit.misfit import Misfit
 
 
-def eased(search: Search, given: Misfit) -> Search:
+def begun_from_given(search: Search, given: Misfit) -> Search:
     """The fit, or a better one from where the numbers of one joint, or of all, are as the user gave them.
 
     A claim that is fitted from where the model without it had been driven comes to all but one of its numbers again: of

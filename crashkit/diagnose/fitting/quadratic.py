@@ -13,7 +13,7 @@ ALIKE = 1e-3
 
 
 @frozen(eq=False)
-class Square:
+class Quadratic:
     """|r + J u|² = |r|² + 2 g·u + u·C u, with g = Jᵀr and C = JᵀJ.
 
     Attributes:
@@ -42,7 +42,7 @@ class Tangent:
     residual: np.ndarray
     jacobian: np.ndarray
     samples: int
-    square: Square
+    square: Quadratic
 
 
 def tangent(misfit: Misfit, point: np.ndarray) -> Tangent | None:
@@ -52,7 +52,7 @@ def tangent(misfit: Misfit, point: np.ndarray) -> Tangent | None:
     except SimulationError:
         return None
     with np.errstate(over="ignore", invalid="ignore"):
-        square = Square(float(residual @ residual), jacobian.T @ residual, jacobian.T @ jacobian)
+        square = Quadratic(float(residual @ residual), jacobian.T @ residual, jacobian.T @ jacobian)
     if not (np.isfinite(square.value) and np.isfinite(square.curvature).all()):
         return None
     return Tangent(misfit.names, residual, jacobian, misfit.sample_count, square)
@@ -75,7 +75,7 @@ class Extended:
         self._known = known if known and set(own) == set(known.names) else None
         self._held = misfit.with_values({}, dict.fromkeys(own, False))
 
-    def at(self, point: np.ndarray, is_absent: bool) -> Square | None:
+    def at(self, point: np.ndarray, is_absent: bool) -> Quadratic | None:
         """About a point, at which what is new may be absent; None where that cannot be simulated."""
         joined = self._joined(self._known, point) if is_absent and self._known else None
         if joined is not None:
@@ -83,7 +83,7 @@ class Extended:
         whole = tangent(self.misfit, point)
         return None if whole is None else whole.square
 
-    def _joined(self, known: Tangent, point: np.ndarray) -> Square | None:
+    def _joined(self, known: Tangent, point: np.ndarray) -> Quadratic | None:
         beside = tangent(self._held, self._held.start_at(self.misfit.values(point)))
         samples = slice(known.samples)
         if beside is None or np.abs(beside.residual[samples] - known.residual[samples]).max(initial=0.0) > ALIKE:
@@ -94,4 +94,4 @@ class Extended:
         names = (*known.names, *beside.names)
         order = [names.index(name) for name in self.misfit.names]
         value = known.square.value + float(np.sum(beside.residual[known.samples :] ** 2))
-        return Square(value, gradient[order], curvature[np.ix_(order, order)])
+        return Quadratic(value, gradient[order], curvature[np.ix_(order, order)])

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from crashkit.diagnose.fitting import growing
-from crashkit.diagnose.fitting.growing import LEAST, LONGER, grown
+from crashkit.diagnose.fitting import continuation
+from crashkit.diagnose.fitting.continuation import LEAST, LONGER, grown
 from crashkit.diagnose.fitting.search import begin
 from crashkit.errors import SimulationError
 from crashkit.mechanics import Simulator
@@ -85,7 +85,7 @@ def test_a_search_that_is_lost_ends_where_it_still_understood_something(off, wor
         {"body.rear.mass": 1e3}, free=dict.fromkeys(misfit.names, False) | {"body.rear.mass": True}
     )
     to_the_end = grown(workshop.identifier, nothing_fits)
-    monkeypatch.setattr(growing, "LOST", 2.0)
+    monkeypatch.setattr(continuation, "LOST", 2.0)
     early = grown(workshop.identifier, nothing_fits)
     assert early["body.rear.mass"] != pytest.approx(to_the_end["body.rear.mass"], rel=1e-3)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from crashkit.diagnose.name.alike import most_alike
+from crashkit.diagnose.name.force_matching import most_alike
 from crashkit.mechanics.along import forces_along
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_joint

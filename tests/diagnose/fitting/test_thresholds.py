@@ -3,7 +3,7 @@
 import pytest
 
 from crashkit.diagnose.fitting.search import begin
-from crashkit.diagnose.fitting.waken import awake, wakened
+from crashkit.diagnose.fitting.thresholds import awake, wakened
 
 THRESHOLD = "joint.first.densification_deformation"
 

@@ -34,7 +34,7 @@ def awake(workshop: Workshop, given: Misfit, fitted: Search) -> Misfit:
 
     Where such a threshold was given, either simulations or the equations of motion do not tell which way it is wrong.
     """
-    places, known = _places(workshop, given.model), fitted.misfit.values(fitted.point)
+    places, known = _places(workshop, given.model), fitted.values
     equations = residual_and_jacobian(workshop, given)
     asleep = set(_idle(given, equations[1])) if equations else set()
     try:
@@ -47,7 +47,7 @@ def awake(workshop: Workshop, given: Misfit, fitted: Search) -> Misfit:
 def _lower(workshop: Workshop, search: Search) -> Iterator[dict[str, float]]:
     """Values, in SI units, of the lengths and forces in laws that nothing depends on, at which something would: each alone,
     and all together."""
-    values, places = search.misfit.values(search.point), _places(workshop, search.misfit.model)
+    values, places = search.values, _places(workshop, search.misfit.model)
     asleep = [path for path in _asleep(search) if path in places]
     largest = _largest(search) if asleep else {}
     for share in REACHED:
@@ -76,7 +76,7 @@ def _places(workshop: Workshop, model: Model) -> Mapping[str, tuple[str, str]]:
 
 def _largest(search: Search) -> dict[tuple[str, str], float]:
     """The largest deformation, m, and force, N, of each joint in any run."""
-    misfit, values = search.misfit, search.misfit.values(search.point)
+    misfit, values = search.misfit, search.values
     motions = [misfit.predictor.motion(run, values) for run in misfit.recordings]
     joints = motions[0]["joint"].values.tolist()
     return {(j, name): max(float(run[name].sel(joint=j).max()) for run in motions) for j in joints for name in OF.values()}

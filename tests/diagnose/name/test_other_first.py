@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import pytest
 
 from crashkit.diagnose.fitting.evidence import Rival
-from crashkit.diagnose.name import beginnings
-from crashkit.diagnose.name.look import Round
+from crashkit.diagnose.name import other_first
+from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.result import UNKNOWN
 from crashkit.protocols import Proposal
 
@@ -19,7 +19,7 @@ def rival(physics, form, deviance):
 
 
 def won_by(*rivals, nothing=0.0):
-    return Round(rivals, (1.0,) + (0.0,) * (len(rivals) - 1), nothing, None)
+    return Look(rivals, (1.0,) + (0.0,) * (len(rivals) - 1), nothing, None)
 
 
 FIRST = won_by(rival("plastic_unloading", "fading", 3000.0), rival("fracture", "compression", 5000.0))
@@ -37,9 +37,9 @@ def begun(monkeypatch, inquiry):
             assert quick
             return beside[(found[0].proposal.physics, found[0].proposal.form)]
 
-        monkeypatch.setattr(beginnings, "look_again", look)
-        monkeypatch.setattr(beginnings, "in_all_forms", lambda *_: [(one.proposal, one.search) for one in FORMS])
-        found = beginnings.begun_otherwise(inquiry(None), FIRST, least)
+        monkeypatch.setattr(other_first, "look_again", look)
+        monkeypatch.setattr(other_first, "in_all_forms", lambda *_: [(one.proposal, one.search) for one in FORMS])
+        found = other_first.begun_otherwise(inquiry(None), FIRST, least)
         return found and [(one.leader.proposal.physics, one.leader.proposal.form) for one in found]
 
     return ask

@@ -5,7 +5,7 @@ import pytest
 from attrs import evolve
 
 from crashkit.diagnose.fitting.search import begin
-from crashkit.diagnose.show.foretold import foretold
+from crashkit.diagnose.show.expected_error import expected_error
 from crashkit.errors import SimulationError
 from crashkit.misfit import Misfit
 
@@ -20,7 +20,7 @@ def fitted(workshop, misfit, model, runs):
 
 def test_runs_that_tell_every_number_foretell_to_the_noise(workshop, model, misfit, recorded):
     final = fitted(workshop, misfit, model, {"slow": recorded(model, 0.9, 1), "fast": recorded(model, 1.3, 2)})
-    expected, _ = foretold(final, misfit(final.model, held=recorded(model, 1.35, 3)), 0.3)
+    expected, _ = expected_error(final, misfit(final.model, held=recorded(model, 1.35, 3)), 0.3)
     assert 1.0 < expected < 1.05
 
 
@@ -28,7 +28,7 @@ def test_what_only_the_held_out_run_reaches_is_not_foretold_and_is_named(worksho
     """The fitted run stays on the plateau."""
     final = fitted(workshop, misfit, model, {"slow": recorded(model, 0.5, 1)})
     held = misfit(final.model, held=recorded(model, 1.3, 3))
-    (vague, untold), (sharp, _) = (foretold(final, held, believed) for believed in (0.3, 0.03))
+    (vague, untold), (sharp, _) = (expected_error(final, held, believed) for believed in (0.3, 0.03))
     assert untold in (END, AFTER)
     assert vague > 5.0 and vague > 2.0 * sharp
 
@@ -42,14 +42,14 @@ def test_it_is_what_models_leave_that_the_fitted_runs_cannot_tell_apart(workshop
     draws = random.multivariate_normal(final.start(), np.linalg.inv(jacobian.T @ jacobian), 40)
     clean = held.discrepancy(held.start())
     left = np.mean([np.sum((held.discrepancy(draw) - clean) ** 2) for draw in draws])
-    expected, _ = foretold(final, held, 0.3)
+    expected, _ = expected_error(final, held, 0.3)
     assert n * (expected**2 - 1.0) == pytest.approx(left, rel=0.5)
 
 
 def test_where_there_is_nothing_to_know_nothing_is_uncertain(model, misfit, recorded):
     fixed = model.with_parameters({path: evolve(p, fixed=True) for path, p in model.free_parameters().items()})
     one = misfit(fixed, run=recorded(model))
-    assert foretold(one, one, 0.3) == (1.0, "")
+    assert expected_error(one, one, 0.3) == (1.0, "")
 
 
 @pytest.mark.parametrize("broken", ["raises", "overflows"])
@@ -63,7 +63,7 @@ def test_where_derivatives_cannot_be_had_nothing_is_promised(model, misfit, reco
         return residual, np.full_like(jacobian, np.inf)
 
     monkeypatch.setattr(Misfit, "residual_and_jacobian", derivatives)
-    expected, untold = foretold(one, one, 0.3)
+    expected, untold = expected_error(one, one, 0.3)
     assert np.isnan(expected) and untold == ""
 
 
@@ -74,5 +74,5 @@ def test_a_threshold_just_ahead_is_no_certainty(workshop, model, misfit, recorde
     held = misfit(final.model, held=recorded(deeper, 1.0, 3))
     index = held.names.index(END)
     assert not held.residual_and_jacobian(held.start())[1][: len(held.discrepancy(held.start())), index].any()
-    expected, untold = foretold(final, held, 0.3)
+    expected, untold = expected_error(final, held, 0.3)
     assert untold == END and expected > 2.0

@@ -2,7 +2,7 @@
 
 import pytest
 
-from crashkit.diagnose.fitting.eased import eased
+from crashkit.diagnose.fitting.back_to_given import begun_from_given
 from crashkit.diagnose.fitting.search import begin
 from crashkit.testing import toys
 
@@ -21,9 +21,9 @@ def test_a_joint_that_was_driven_far_away_comes_back(workshop, identified, joint
     path = f"joint.{joint}.densification_deformation"
     values = given.values(best.point)
     caught = begin(workshop.identifier, given.with_values({**values, path: 0.3 * values[path]}))
-    assert eased(caught, given).deviance == pytest.approx(best.deviance, abs=1.0)
+    assert begun_from_given(caught, given).deviance == pytest.approx(best.deviance, abs=1.0)
 
 
 def test_what_the_given_values_do_not_better_stays(identified):
     given, best = identified
-    assert eased(best, given).deviance == pytest.approx(best.deviance, abs=1e-3)
+    assert begun_from_given(best, given).deviance == pytest.approx(best.deviance, abs=1e-3)

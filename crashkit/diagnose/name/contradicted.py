@@ -7,6 +7,7 @@ from attrs import evolve
 from crashkit.diagnose.fitting.evidence import (
     Rival,
     best_forms,
+    by_evidence,
     explains,
     is_unknown,
     probabilities,
@@ -14,18 +15,17 @@ from crashkit.diagnose.fitting.evidence import (
     rival_of,
 )
 from crashkit.diagnose.fitting.search import Search
+from crashkit.diagnose.name.follow import Discovery, followed, is_estimated
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Round, between, led, look_again
+from crashkit.diagnose.name.look import Look, compared, led, look_again
 from crashkit.diagnose.name.rivals import CONCEALED, again
-from crashkit.diagnose.name.rounds import Discovery, followed, is_estimated
-from crashkit.diagnose.result import place_of
 
 MOST = 3
 """How many rivals are tried, the contradicted one among them: its other forms may explain more."""
 
 
-def asked_first(inquiry: Inquiry, looks: Sequence[Round]) -> Discovery | None:
+def asked_first(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery | None:
     """What these looks say of all runs, if it explains everything: the rivals of a single one, or the findings of several in
     other forms.
 
@@ -39,24 +39,24 @@ def asked_first(inquiry: Inquiry, looks: Sequence[Round]) -> Discovery | None:
     return _second_best(inquiry, rivals)
 
 
-def _in_other_forms(inquiry: Inquiry, looks: Sequence[Round]) -> Discovery | None:
+def _in_other_forms(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery | None:
     """The same findings, fitted to all runs, in the forms that suit these."""
     claims = [look.leader for look in looks]
     search = inquiry.fit_with(claims, claims[-1].search)
     if search is None:
         return None
-    rounds = [_with_all_runs(inquiry, look, claims, search) for look in looks]
-    rounds, search = in_best_forms(inquiry, rounds, search)
-    return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(rounds)) if explains(search) else None
+    findings = [_with_all_runs(inquiry, look, claims, search) for look in looks]
+    findings, search = in_best_forms(inquiry, findings, search)
+    return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(findings)) if explains(search) else None
 
 
-def _with_all_runs(inquiry: Inquiry, look: Round, claims: Sequence[Rival], search: Search) -> Round:
+def _with_all_runs(inquiry: Inquiry, look: Look, claims: Sequence[Rival], search: Search) -> Look:
     """The look with its finding alone, fitted to all runs beside the others."""
     finding = look.leader
     others = [claim for claim in claims if claim is not finding]
     without = inquiry.fit_with(others, search) or inquiry.base
     again = rival_of(finding.proposal, search, without.deviance)
-    return between(evolve(look, before=without.fitted(), couples=()), [again])
+    return compared(evolve(look, before=without.fitted(), couples=()), [again])
 
 
 def _second_best(inquiry: Inquiry, rivals: Sequence[Rival]) -> Discovery | None:
@@ -66,19 +66,19 @@ def _second_best(inquiry: Inquiry, rivals: Sequence[Rival]) -> Discovery | None:
         return None
     look = look_again(inquiry, ranked[0].search.fitted(), ranked[:1])
     found, _ = followed(inquiry, [_told(inquiry, ranked)], look)
-    return found if len(found.rounds) == 1 else None
+    return found if len(found.findings) == 1 else None
 
 
-def named_nevertheless(inquiry: Inquiry, looks: Sequence[Round], found: Discovery) -> Discovery:
+def named_nevertheless(inquiry: Inquiry, looks: Sequence[Look], found: Discovery) -> Discovery:
     """What was found in all runs; or, where that is an estimate at the place of what explains all but one of them, that, if it
     leaves little of all.
 
     A form that is off by that much is told better with its name than as a table.
     """
-    if len(looks) != 1 or not is_estimated(found.rounds):
+    if len(looks) != 1 or not is_estimated(found.findings):
         return found
-    first, estimate = looks[0].leader, found.rounds[-1].leader
-    if is_unknown(first) or place_of(first.proposal.location) != place_of(estimate.proposal.location):
+    first, estimate = looks[0].leader, found.findings[-1].leader
+    if is_unknown(first) or first.place != estimate.place:
         return found
     ranked = _ranked(inquiry, [first])
     if not ranked or ranked[0].search.normalised > CONCEALED:
@@ -96,13 +96,13 @@ def _ranked(inquiry: Inquiry, rivals: Sequence[Rival]) -> list[Rival]:
     leader = max(fitted, key=lambda rival: rival.evidence)
     forms = in_all_forms(inquiry, leader, [], leader.search)
     everything = [*fitted, *ranked_by_evidence(forms, inquiry.base.deviance)]
-    return best_forms(sorted(everything, key=lambda rival: -rival.evidence))
+    return best_forms(by_evidence(everything))
 
 
-def _told(inquiry: Inquiry, ranked: Sequence[Rival]) -> Round:
+def _told(inquiry: Inquiry, ranked: Sequence[Rival]) -> Look:
     """The look that these are the only rivals of."""
     chances, nothing = probabilities(ranked, len(ranked))
-    return Round(tuple(ranked), tuple(chances.tolist()), nothing, inquiry.base.fitted())
+    return Look(tuple(ranked), tuple(chances.tolist()), nothing, inquiry.base.fitted())
 
 
 def _fitted(inquiry: Inquiry, rival: Rival) -> list[Rival]:

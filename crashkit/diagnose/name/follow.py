@@ -9,22 +9,22 @@ from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.rebuild import alone_again
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.fitting.sharpen import check_pace
-from crashkit.diagnose.fitting.waken import wakened
-from crashkit.diagnose.locate.courses import Pointer
+from crashkit.diagnose.fitting.thresholds import wakened
+from crashkit.diagnose.locate.free_force import Pointer
 from crashkit.diagnose.name.exchange import exchanged
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Round, between, look_again
+from crashkit.diagnose.name.look import Look, compared, look_again
 from crashkit.diagnose.name.settle import settled
-from crashkit.diagnose.result import place_of
 from crashkit.misfit import Misfit
 from crashkit.model import Model
 
 MOST_FINDINGS = 3
-HALF = 0.5
-"""Of what is left above the noise: a claim that leaves more has hardly found its form. And of what one more finding explains:
-where those before it do that as well, it is none."""
-TENTH = 0.1
+FREED = 0.5
+"""Of what one more finding explains: where those before it, freed by it, do that as well, it is none."""
+COMPLETING = 0.5
+"""Of what is left above the noise: a claim that leaves more has hardly found its form."""
+ESTIMATE_SHARE = 0.1
 """Of what the findings explain: an estimate that explains less beside them imitates how far their forms are off."""
 TRACE = 0.003
 """Of what is left above the noise without a finding, or without any: no form of what is gross is quite right."""
@@ -42,7 +42,7 @@ class Discovery:
         base: the misfit of the given model, re-identified.
         final: the misfit of the augmented model, at its best fit.
         search: that fit.
-        rounds: for each finding, the round that it won in the light of all the others.
+        findings: for each finding, the round that it won in the light of all the others.
         last: the round that found nothing more.
         pointer: to the place of an estimated force, where the equations of motion told it.
     """
@@ -50,70 +50,70 @@ class Discovery:
     base: Misfit
     final: Misfit
     search: Search
-    rounds: tuple[Round, ...] = field(default=())
-    last: Round | None = None
+    findings: tuple[Look, ...] = field(default=())
+    last: Look | None = None
     pointer: Pointer | None = None
 
 
-def followed(inquiry: Inquiry, begun: Sequence[Round], look: Round, near: Round | None = None) -> tuple[Discovery, Round]:
+def followed(inquiry: Inquiry, begun: Sequence[Look], look: Look, near: Look | None = None) -> tuple[Discovery, Look]:
     """What is found from a beginning on, and the last look.
 
     Arguments:
         near: a look beside a single finding from its numbers, if one was made already; where it was at just this model, the
             next look begins with it.
     """
-    rounds, search = list(begun), begun[-1].leader.search if begun else inquiry.base
-    while look.winner is not None and not _corrects(look.winner, rounds) and not _is_one_too_many(look.winner, rounds):
-        freed = _freed(rounds, search, look.winner)
-        rounds, search = freed or _one_more(inquiry, rounds, look, look.winner)
-        if len(rounds) == MOST_FINDINGS or is_estimated(rounds) or leave_a_trace(rounds, search, inquiry.base):
+    findings, search = list(begun), begun[-1].leader.search if begun else inquiry.base
+    while look.winner is not None and not _corrects(look.winner, findings) and not _is_one_too_many(look.winner, findings):
+        freed = _freed(findings, search, look.winner)
+        findings, search = freed or _one_more(inquiry, findings, look, look.winner)
+        if len(findings) == MOST_FINDINGS or is_estimated(findings) or leave_a_trace(findings, search, inquiry.base):
             break
-        further = in_time(None, _look_beside, inquiry, search, rounds, near)
+        further = in_time(None, _look_beside, inquiry, search, findings, near)
         if further is None:
             break
         look = further
-        completed = in_time(None, _completed, inquiry, rounds, search, look)
+        completed = in_time(None, _completed, inquiry, findings, search, look)
         if completed is not None:
-            rounds, search = completed
+            findings, search = completed
             break
-    if len(rounds) > 1 and not leave_a_trace(rounds, search, inquiry.base):
-        rounds, search = in_time((rounds, search), _questioned, inquiry, rounds, search, look)
+    if len(findings) > 1 and not leave_a_trace(findings, search, inquiry.base):
+        findings, search = in_time((findings, search), _questioned, inquiry, findings, search, look)
     last = look if look.winner is None else None
-    return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(rounds), last), look
+    return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(findings), last), look
 
 
-def _look_beside(inquiry: Inquiry, search: Search, rounds: Sequence[Round], near: Round | None) -> Round:
+def _look_beside(inquiry: Inquiry, search: Search, findings: Sequence[Look], near: Look | None) -> Look:
     """A look at what is left beside the findings; one that was made near there is not made again."""
     is_there = near is not None and near.before.names == search.misfit.names and _was_asked(near, search)
-    return look_again(inquiry, search.fitted(), [one.leader for one in rounds], begun=near if is_there else None)
+    return look_again(inquiry, search.fitted(), [one.leader for one in findings], begun=near if is_there else None)
 
 
-def leave_a_trace(rounds: Sequence[Round], search: Search, base: Search) -> bool:
+def leave_a_trace(findings: Sequence[Look], search: Search, base: Search) -> bool:
     """Whether two named findings leave but a trace of what is gross, from which no third could be told: so much is forms."""
     is_trace = search.normalised > FLOOR and search.excess < TRACE * base.excess
-    return len(rounds) == 2 and not is_estimated(rounds) and is_trace
+    return len(findings) == 2 and not is_estimated(findings) and is_trace
 
 
-def _freed(rounds: Sequence[Round], search: Search, winner: Rival) -> tuple[list[Round], Search] | None:
+def _freed(findings: Sequence[Look], search: Search, winner: Rival) -> tuple[list[Look], Search] | None:
     """The findings fitted from where one more has moved their numbers, if they then explain most of what that does.
 
     What is caught in a local optimum leaves something that any second cause would seem to explain.
     """
-    if not rounds:
+    if not findings:
         return None
     better = alone_again(search, [winner.search.fitted()])
     gained = search.deviance - better.deviance
-    if gained < HALF * winner.drop:
+    if gained < FREED * winner.drop:
         return None
-    last = rounds[-1].leader
+    last = findings[-1].leader
     leader = evolve(last, search=better, drop=last.drop + gained, evidence=last.evidence + 0.5 * gained)
-    return [*rounds[:-1], evolve(rounds[-1], rivals=(leader, *rounds[-1].rivals[1:]))], better
+    return [*findings[:-1], findings[-1].led_by(leader)], better
 
 
-def _one_more(inquiry: Inquiry, rounds: Sequence[Round], look: Round, winner: Rival) -> tuple[list[Round], Search]:
+def _one_more(inquiry: Inquiry, findings: Sequence[Look], look: Look, winner: Rival) -> tuple[list[Look], Search]:
     """The findings with the winner of a look, settled, and each in its best form."""
-    found = [one.leader for one in rounds]
-    more = [*rounds, in_time(look, settled, inquiry, look, winner, found)]
+    found = [one.leader for one in findings]
+    more = [*findings, in_time(look, settled, inquiry, look, winner, found)]
     search = more[-1].leader.search
     more, search = in_time((more, search), in_best_forms, inquiry, more, search)
     if len(more) == 1:
@@ -121,45 +121,45 @@ def _one_more(inquiry: Inquiry, rounds: Sequence[Round], look: Round, winner: Ri
     return more, search
 
 
-def _completed(inquiry: Inquiry, rounds: Sequence[Round], search: Search, look: Round) -> tuple[list[Round], Search] | None:
+def _completed(inquiry: Inquiry, findings: Sequence[Look], search: Search, look: Look) -> tuple[list[Look], Search] | None:
     """The findings and the best known claim of a look that convinced of none, if together, each in its best form, they leave
     nothing; None if not.
 
     Beside a gross effect a second one in a form that is off explains too little to convince.
     """
-    found = [one.leader for one in rounds]
-    known = {place_of(rival.proposal.location) for rival in found}
+    found = [one.leader for one in findings]
+    known = {rival.place for rival in found}
     claim = next((rival for rival in look.rivals if not is_unknown(rival)), None)
     if look.winner is not None or claim is None or search.normalised < UNEXPLAINED:
         return None
-    if place_of(claim.proposal.location) in known or claim.search.excess > HALF * search.excess:
+    if claim.place in known or claim.search.excess > COMPLETING * search.excess:
         return None
     forms = ranked_by_evidence(in_all_forms(inquiry, claim, found, claim.search), search.deviance)
     best = max([claim, *forms], key=lambda rival: rival.evidence)
     others = [rival for rival in look.rivals if rival.identity != best.identity]
-    tried = settled(inquiry, between(look, [best, *others]), best, found)
-    more, end = in_best_forms(inquiry, [*rounds, tried], tried.leader.search)
+    tried = settled(inquiry, compared(look, [best, *others]), best, found)
+    more, end = in_best_forms(inquiry, [*findings, tried], tried.leader.search)
     return (more, end) if explains(end) else None
 
 
-def _questioned(inquiry: Inquiry, rounds: list[Round], search: Search, last: Round) -> tuple[list[Round], Search]:
+def _questioned(inquiry: Inquiry, findings: list[Look], search: Search, last: Look) -> tuple[list[Look], Search]:
     """Several findings, each in the light of the others."""
-    begun = rounds
-    rounds, search = exchanged(inquiry, rounds, search, last) or (rounds, search)
-    rounds, search = reconsidered(inquiry, rounds, search)
-    if [id(look) for look in rounds] == [id(look) for look in begun]:
-        return rounds, search
-    return in_best_forms(inquiry, rounds, search)
+    begun = findings
+    findings, search = exchanged(inquiry, findings, search, last) or (findings, search)
+    findings, search = reconsidered(inquiry, findings, search)
+    if [id(look) for look in findings] == [id(look) for look in begun]:
+        return findings, search
+    return in_best_forms(inquiry, findings, search)
 
 
-def reconsidered(inquiry: Inquiry, rounds: list[Round], search: Search) -> tuple[list[Round], Search]:
+def reconsidered(inquiry: Inquiry, findings: list[Look], search: Search) -> tuple[list[Look], Search]:
     """Takes each finding away in turn, and lets all hypotheses compete again for its place beside the others.
 
     The first that was found had to make do for all of them, and is often only the best stand-in. Where everything is explained
     and nothing can be spared, there is nothing to question; nor is the same asked twice.
     """
-    looks = list(rounds)
-    for claim in [look.leader.identity for look in rounds]:
+    looks = list(findings)
+    for claim in [look.leader.identity for look in findings]:
         place = [look.leader.identity for look in looks].index(claim)
         rest = [*looks[:place], *looks[place + 1 :]]
         without = _spared(inquiry, [look.leader for look in rest], search)
@@ -185,27 +185,27 @@ def _spared(inquiry: Inquiry, rest: Sequence[Rival], search: Search) -> Search |
     return near if near is None or not rest else wakened(inquiry.workshop, near)
 
 
-def _corrects(winner: Rival, rounds: Sequence[Round]) -> bool:
+def _corrects(winner: Rival, findings: Sequence[Look]) -> bool:
     """A table at the place of a named finding says how far the form of that is off, not that there is more."""
-    places = [place_of(look.leader.proposal.location) for look in rounds]
-    return is_unknown(winner) and place_of(winner.proposal.location) in places
+    places = [look.leader.place for look in findings]
+    return is_unknown(winner) and winner.place in places
 
 
-def _is_one_too_many(winner: Rival, rounds: Sequence[Round]) -> bool:
+def _is_one_too_many(winner: Rival, findings: Sequence[Look]) -> bool:
     """Whether it is an estimate beside named findings that explains but a little beside them, or that is the third and leaves
     something even so: forms that are off look like a further cause, and a table imitates them best."""
-    if not rounds or not is_unknown(winner):
+    if not findings or not is_unknown(winner):
         return False
-    is_little = winner.drop < TENTH * sum(look.leader.drop for look in rounds)
-    return is_little or (len(rounds) == MOST_FINDINGS - 1 and winner.search.normalised > UNEXPLAINED)
+    is_little = winner.drop < ESTIMATE_SHARE * sum(look.leader.drop for look in findings)
+    return is_little or (len(findings) == MOST_FINDINGS - 1 and winner.search.normalised > UNEXPLAINED)
 
 
-def is_estimated(rounds: Sequence[Round]) -> bool:
+def is_estimated(findings: Sequence[Look]) -> bool:
     """Beside a force that is only estimated nothing more can be named: what is left is mostly how coarse the estimate is."""
-    return bool(rounds) and is_unknown(rounds[-1].leader)
+    return bool(findings) and is_unknown(findings[-1].leader)
 
 
-def _was_asked(look: Round, without: Search) -> bool:
+def _was_asked(look: Look, without: Search) -> bool:
     """Whether the look was made at just this model, at a fit that is as good."""
     before = look.before
     is_same = _anatomy(before.model) == _anatomy(without.misfit.model)

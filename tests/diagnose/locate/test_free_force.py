@@ -7,10 +7,10 @@ from attrs import evolve
 from crashkit.diagnose.fitting.contest import propose_all
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
-from crashkit.diagnose.locate.courses import Course, courses, outstanding
+from crashkit.diagnose.locate.free_force import FreeForce, free_forces, outstanding
 from crashkit.diagnose.name.explore import _where_it_acts
-from crashkit.diagnose.name.look import Round
-from crashkit.diagnose.name.rounds import Discovery
+from crashkit.diagnose.name.follow import Discovery
+from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.result import place_of
 from crashkit.errors import CrashkitError
 from crashkit.model import Joint, Parameter
@@ -48,23 +48,23 @@ def given(misfit, recorded):
 
 def test_no_law_and_no_two_runs_alike_and_yet_the_place_is_told(workshop, given):
     """The joint between the bodies: a force on one of them leaves the other's motion as it is."""
-    found = courses(workshop, given("second"))
+    found = free_forces(workshop, given("second"))
     assert found[0].left == min(one.left for one in found)
     assert place_of(outstanding(found).first.proposal.location) == "joint second"
 
 
 def test_a_force_between_a_body_and_the_ground_is_told_by_the_joint_that_may_carry_it(workshop, given):
-    assert place_of(outstanding(courses(workshop, given("first"))).first.proposal.location) == "joint first"
+    assert place_of(outstanding(free_forces(workshop, given("first"))).first.proposal.location) == "joint first"
 
 
 def test_where_no_motion_was_measured_nothing_is_told(workshop, given):
     unseen = evolve(workshop, locator=NoMotion())
-    assert courses(unseen, given("second")) == []
+    assert free_forces(unseen, given("second")) == []
 
 
 def course(place, left):
     """At a joint."""
-    return Course(Proposal("unknown", "time", {"joint": place}, toys.two_degrees(), (), {}), left)
+    return FreeForce(Proposal("unknown", "time", {"joint": place}, toys.two_degrees(), (), {}), left)
 
 
 @pytest.mark.parametrize(
@@ -110,7 +110,7 @@ def test_what_leaves_something_elsewhere_gives_way_to_an_estimate_there(workshop
     estimate = begin(workshop.identifier, workshop.misfit(one, table.model))
     estimate = evolve(estimate, state=evolve(estimate.state, cost=times**2 * search.state.cost))
     rivals = (Rival(claim, search, 100.0, 50.0), Rival(table, estimate, 90.0, 40.0))
-    look = Round(rivals, (0.9, 0.1), 0.0, one)
+    look = Look(rivals, (0.9, 0.1), 0.0, one)
     found = _where_it_acts(inquiry(search), Discovery(one, one, search, (look,)))
     assert found.rounds[0].leader.identity == first
     assert found.rounds[0].probabilities[0] == max(found.rounds[0].probabilities) > 0.5

@@ -8,11 +8,11 @@ from attrs import evolve
 from crashkit.diagnose.fitting.contest import propose_all
 from crashkit.diagnose.fitting.evidence import Rival, rival_of
 from crashkit.diagnose.fitting.search import begin
-from crashkit.diagnose.name import asked_first as asking
-from crashkit.diagnose.name.asked_first import asked_first, named_nevertheless
+from crashkit.diagnose.name import contradicted as asking
+from crashkit.diagnose.name.contradicted import asked_first, named_nevertheless
+from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.forms import in_best_forms
-from crashkit.diagnose.name.look import Round
-from crashkit.diagnose.name.rounds import Discovery
+from crashkit.diagnose.name.look import Look
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_joint
 from crashkit.protocols import Proposal
@@ -34,7 +34,7 @@ def contradicted(workshop, inquiry, model, misfit, recorded):
         fits = [begin(workshop.identifier, workshop.misfit(base.fitted(), first[name].model)).advance(20) for name in claims]
         rivals = [rival_of(first[name], fit, base.deviance) for name, fit in zip(claims, fits, strict=True)]
         best = begin(workshop.identifier, both).advance(40)
-        looks = (Round(tuple(rivals), (1.0,) * len(rivals), 0.0, base.fitted()),) if rivals else ()
+        looks = (Look(tuple(rivals), (1.0,) * len(rivals), 0.0, base.fitted()),) if rivals else ()
         return asked_first(inquiry(best), looks)
 
     return ask
@@ -42,7 +42,7 @@ def contradicted(workshop, inquiry, model, misfit, recorded):
 
 def test_the_rival_that_explains_all_runs_is_told(contradicted):
     found = contradicted("clearance", "viscous_damping")
-    assert [look.leader.proposal.physics for look in found.rounds] == ["viscous_damping"]
+    assert [look.leader.proposal.physics for look in found.findings] == ["viscous_damping"]
     assert found.search.normalised == pytest.approx(1.0, abs=0.05)
     assert set(found.search.misfit.recordings) == {"slow", "fast"}
 
@@ -75,7 +75,7 @@ def refound(workshop, inquiry, model, misfit, recorded):
             forms = [p for p in propose_all(workshop, current.fitted()) if (p.physics, p.form) == (name, form)]
             claim = next(p for p in forms if p.location.get("instrument") != "film")
             search = begin(workshop.identifier, workshop.misfit(current.fitted(), claim.model)).advance(40)
-            looks.append(Round((rival_of(claim, search, current.deviance),), (1.0,), 0.0, current.fitted()))
+            looks.append(Look((rival_of(claim, search, current.deviance),), (1.0,), 0.0, current.fitted()))
             current = search
         best = begin(workshop.identifier, both).advance(40)
         return asked_first(inquiry(best), looks)
@@ -85,15 +85,15 @@ def refound(workshop, inquiry, model, misfit, recorded):
 
 def test_two_findings_are_told_in_the_forms_that_all_runs_ask_for(refound, inquiry, workshop):
     found = refound(("gain_error", "constant"), ("viscous_damping", "linear"))
-    gain, damping = (look.leader.proposal for look in found.rounds)
+    gain, damping = (look.leader.proposal for look in found.findings)
     # It was put in its best form first, beside a damper in a poor one; once that is right, it is constant.
-    rounds, _ = in_best_forms(inquiry(begin(workshop.identifier, found.base)), found.rounds, found.search, thorough=True)
-    assert (gain.physics, rounds[0].leader.proposal.form) == ("gain_error", "constant")
+    findings, _ = in_best_forms(inquiry(begin(workshop.identifier, found.base)), found.findings, found.search, thorough=True)
+    assert (gain.physics, findings[0].leader.proposal.form) == ("gain_error", "constant")
     assert damping.form.startswith("power")
     assert found.search.misfit.values(found.search.point)["joint.first_viscous_damping.exponent"] == pytest.approx(
         1.6, abs=0.1
     )
-    assert all(set(look.before.recordings) == {"slow", "fast"} and look.leader.drop > 100.0 for look in found.rounds)
+    assert all(set(look.before.recordings) == {"slow", "fast"} and look.leader.drop > 100.0 for look in found.findings)
 
 
 def test_where_no_form_of_them_explains_all_runs_everything_must_be_asked(refound):
@@ -114,7 +114,7 @@ def test_a_name_that_all_runs_but_one_gave_stays_before_an_estimate_at_its_place
 
     estimate, named = claimed("unknown", 1.0), claimed("progressive_folding", left)
     monkeypatch.setattr(asking, "_ranked", lambda inquiry, rivals: [named])
-    looks = [Round((claimed("progressive_folding", 1.0),), (1.0,), 0.0, None)]
-    found = Discovery(None, None, estimate.search, (Round((estimate,), (1.0,), 0.0, None),))
+    looks = [Look((claimed("progressive_folding", 1.0),), (1.0,), 0.0, None)]
+    found = Discovery(None, None, estimate.search, (Look((estimate,), (1.0,), 0.0, None),))
     base = SimpleNamespace(misfit=None, fitted=lambda: None)
-    assert named_nevertheless(inquiry(base, given=True), looks, found).rounds[0].leader.proposal.physics == told
+    assert named_nevertheless(inquiry(base, given=True), looks, found).findings[0].leader.proposal.physics == told

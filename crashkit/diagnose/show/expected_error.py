@@ -8,7 +8,7 @@ from crashkit.errors import SimulationError
 from crashkit.misfit import Misfit
 
 
-def foretold(final: Misfit, unseen: Misfit, believed: float) -> tuple[float, str]:
+def expected_error(final: Misfit, unseen: Misfit, believed: float) -> tuple[float, str]:
     """The residual over noise that the right model would leave in runs that it was not fitted to, and the number to blame.
 
         sqrt(1 + trace(J C J^T) / n),   C = (J_f^T J_f)^-1
