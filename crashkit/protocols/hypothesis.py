@@ -26,6 +26,8 @@ class Proposal:
         refined: whether it is a finer form of a claim that has simpler ones: it is only tried where these leave something, or
             where an unknown force would be told.
         odds: of this form beforehand, where several share the odds of one claim.
+        estimate_of: what a force of no known law, which is estimated, depends on: "deformation"; "distance" of a joint's ends,
+            which also acts while they are apart; "rate", "time", "speed", "travel", or "deformation of another joint".
     """
 
     physics: str
@@ -37,6 +39,7 @@ class Proposal:
     starts: tuple[Mapping[str, float], ...] = field(default=({},))
     refined: bool = field(default=False)
     odds: float = field(default=1.0)
+    estimate_of: str = field(default="")
 
 
 class Hypothesis(ABC):

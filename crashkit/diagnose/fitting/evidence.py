@@ -23,12 +23,12 @@ IMITATING, REACHING = 0.85, 1.09
 """The same of a table that anything is imitated by, and the normalised residual below which it does more than imitate."""
 IMITATION = 0.1
 """Of what the best known claim leaves above the noise: nor does one that leaves less than that only imitate."""
-FROM_AFAR = "deformation, at a distance"
-"""Form of a table that imitates more than laws of the deformation, as a joint that pulls: to reach the noise says little."""
-OF_DEFORMATION = ("deformation", "deformation, both ways", FROM_AFAR, "travel")
+FROM_AFAR = "distance"
+"""What depends on it imitates more than laws of the deformation, as a joint that pulls: to reach the noise says little."""
+OF_DEFORMATION = ("deformation", FROM_AFAR, "travel")
 IN_TIME = "time"
-"""Forms of such tables: most known laws are of the deformation, and in a single run each is a force of the time. In several,
-a force of the deformation comes at another time in each."""
+"""What estimates depend on that imitate: most known laws are of the deformation, and in a single run each is a force of the
+time. In several, a force of the deformation comes at another time in each."""
 FAR_LESS = 0.5
 """Of what is left above the noise: a table that leaves less than that of what another of its place does is told instead."""
 UNKNOWN_ODDS = 1e-2
@@ -102,8 +102,9 @@ def _credit(proposal: Proposal, search: Search, known: float) -> float:
     """The share of its drop that a claim is credited with."""
     if proposal.physics != UNKNOWN:
         return 1.0
-    imitates = proposal.form in OF_DEFORMATION or (proposal.form == IN_TIME and len(search.misfit.recordings) == 1)
-    reaches = search.excess < IMITATION * known or (search.normalised < REACHING and proposal.form != FROM_AFAR)
+    of = proposal.estimate_of
+    imitates = of in OF_DEFORMATION or (of == IN_TIME and len(search.misfit.recordings) == 1)
+    reaches = search.excess < IMITATION * known or (search.normalised < REACHING and of != FROM_AFAR)
     return IMITATING if imitates and not reaches else GENUINE
 
 

@@ -7,14 +7,14 @@ from attrs import frozen
 
 from crashkit.campaign import spread
 from crashkit.diagnose.fitting.contest import propose_all
-from crashkit.diagnose.result import UNKNOWN, place_of
+from crashkit.diagnose.result import place_of
 from crashkit.diagnose.workshop import Workshop
 from crashkit.errors import CrashkitError
 from crashkit.misfit import Misfit, SameVariables
 from crashkit.protocols import Problem, Proposal, Status
 
-FORM = "time"
-"""The form of an estimated force whose heights are taken as a course of its own in each run."""
+IN_TIME = "time"
+"""The heights of an estimated force that depends on it are taken as a course of its own in each run."""
 STEPS = 30
 PLAINLY = 0.6
 """Of what is left where it is left least but for one place: less than that is left at a place that stands out."""
@@ -80,7 +80,7 @@ def free_forces(workshop: Workshop, given: Misfit) -> list[FreeForce]:
         workshop.locator.start(given)  # measures the motion, before copies of this process would each do so
     except CrashkitError:
         return []
-    forces = [p for p in propose_all(workshop, given) if p.physics == UNKNOWN and p.form == FORM]
+    forces = [p for p in propose_all(workshop, given) if p.estimate_of == IN_TIME]
     equipped = workshop.equipped([force.model for force in forces])
     found = spread(lambda force: _course(equipped, equipped.misfit(given, force.model), force), forces)
     return sorted((one for one in found if one is not None), key=lambda one: one.left)

@@ -20,7 +20,7 @@ from crashkit.diagnose.locate.free_force import free_forces, outstanding
 from crashkit.diagnose.name.follow import NEEDED, TIE, Discovery, followed, is_estimated, leave_a_trace, reconsidered
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.linked import linked_instead
+from crashkit.diagnose.name.last_estimates import estimated_at_last
 from crashkit.diagnose.name.look import FORM_ERRORS, Look, compared, is_of_readings, led, look_again
 from crashkit.diagnose.name.nearby import Nearby, followed_nearby
 from crashkit.diagnose.name.needed import price
@@ -72,8 +72,8 @@ def _near_then_wide(inquiry: Inquiry, near: Look | None) -> Discovery:
         return found
     wide = in_time(_won(base, nearby.look), _found_widely, inquiry, nearby)
     told = wide if found is None else _cheaper(found, wide)
-    linked = in_time(told, linked_instead, inquiry, told)
-    return _where_it_acts(inquiry, told) if linked is told else linked
+    estimated = in_time(told, estimated_at_last, inquiry, told)
+    return _where_it_acts(inquiry, told) if estimated is told else estimated
 
 
 def _is_wrong_beside_more(near: Look) -> bool:
@@ -155,15 +155,13 @@ def _cheaper(near: Discovery, wide: Discovery) -> Discovery:
 def _where_it_acts(inquiry: Inquiry, found: Discovery) -> Discovery:
     """What was found; where it leaves something, an estimated force at the one place that the equations of motion point to.
 
-    A cause that no law tells, as a joint that another one weakens, is imitated best by laws at other places. About instruments
-    that are wrong the equations say nothing.
+    A cause that no law tells, as a joint that another one weakens, is imitated best by laws at other places.
     """
-    claims = [look.leader for look in found.findings]
-    if not claims or found.search.normalised < UNEXPLAINED or any(is_of_readings(claim.proposal) for claim in claims):
+    if not found.leaves_structure:
         return found
     pointer = outstanding(free_forces(inquiry.workshop, inquiry.given))
     place = pointer.first.place if pointer else None
-    if place in (None, *(claim.place for claim in claims)):
+    if place in (None, *(look.leader.place for look in found.findings)):
         return found
     look = found.findings[0]
     estimate = next((rival for rival in look.rivals if rival.identity == (UNKNOWN, place)), None)

@@ -14,7 +14,7 @@ from crashkit.diagnose.locate.free_force import Pointer
 from crashkit.diagnose.name.exchange import exchanged
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Look, compared, look_again
+from crashkit.diagnose.name.look import Look, compared, is_of_readings, look_again
 from crashkit.diagnose.name.settle import settled
 from crashkit.misfit import Misfit
 from crashkit.model import Model
@@ -53,6 +53,13 @@ class Discovery:
     findings: tuple[Look, ...] = field(default=())
     last: Look | None = None
     pointer: Pointer | None = None
+
+    @property
+    def leaves_structure(self) -> bool:
+        """Whether findings about the structure alone plainly leave something: along the measured motion there is more to ask.
+        About instruments that are wrong the equations of motion say nothing."""
+        claims = [look.leader.proposal for look in self.findings]
+        return bool(claims) and self.search.normalised >= UNEXPLAINED and not any(map(is_of_readings, claims))
 
 
 def followed(inquiry: Inquiry, begun: Sequence[Look], look: Look, near: Look | None = None) -> tuple[Discovery, Look]:

@@ -3,15 +3,14 @@
 from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
-import numpy as np
 import xarray as xr
 from attrs import evolve
 
 from crashkit.model import Body, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import Effect, grid, grounded, proposal
-from crashkit_hypotheses.parallel_forces import REFINED, TAIL, falling, smooth
-from crashkit_hypotheses.sizes import forces_recorded, largest_travel
+from crashkit_hypotheses.friction import REFINED, TAIL, falling, smooth
+from crashkit_hypotheses.sizes import forces_recorded, largest_speed, largest_travel
 
 ACROSS = ("constant", "smooth")
 """Forms of friction that are also tried across the direction of travel, in the plane."""
@@ -53,14 +52,15 @@ class GroundFriction(Hypothesis):
         constant = {"friction_force": Parameter(0.0, 0.0, 1e7), "slip_rate": Parameter(0.05, fixed=True)}
         way = largest_travel(motion, body.name)
         later = {**constant, "always": Parameter(0.0, fixed=True), "clearance": Parameter(0.2 * way, 1e-3 * way, way)}
-        fastest = max(float(np.nanmax(np.abs(one["velocity"].values))) for one in motion)
+        # Bodies set out together: one range of speeds for all of them.
+        fastest = largest_speed(motion)
         less, established = falling(fastest), smooth(fastest)
         forms: dict[str, tuple[dict[str, Parameter], Sequence[Mapping[str, float]]]] = {
             "constant": (constant, ({},)),
             "smooth": (constant | established, ({},)),
             "falling": (less, ({},)),
-            REFINED[0]: (less | established, ({},)),
-            REFINED[1]: (constant | established | TAIL, ({},)),
+            "smooth and falling": (less | established, ({},)),
+            "smooth with a tail": (constant | established | TAIL, ({},)),
             "later": (later, grid(clearance=[share * way for share in (0.2, 0.5, 0.8)])),
         }
         effects = [

@@ -12,6 +12,7 @@ from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import Effect, added, grid
 from crashkit_hypotheses.sizes import compressed, largest_deformation
 
+FORCE = Parameter(0.0, 0.0, 1e8)
 BEFORE = 1.6
 """Times the deformation at which the plateau begins: a peak beyond that is none before the plateau."""
 PASSED = 0.85
@@ -28,14 +29,16 @@ FOLDS = (2.0, 2.75, 3.5, 4.5, 5.5, 6.5, 8.0, 10.0, 12.5)
 """How many folds to start from: a search only finds the number that is nearest."""
 LONGEST, LONGEST_SHAPED = 0.5, 0.4
 """Of the deformation reached: what is longer does not repeat. It could be any force, above all in folds of any shape."""
+SKEWED = {"skew": Parameter(0.1, -0.98, 0.98)}
+"""Started from some skew: without it, folds are a sine, which has no derivative to it."""
+ARCHED = {"arch": Parameter(0.1, 0.0, 0.95)}
 FADING = 0.7
 """Logarithm by which each fold may be lower: what loses more than half with every fold does not repeat either."""
-SKEW = 0.1
-"""To start from: without skew, folds are a sine, which has no derivative to it."""
-POINTED = 0.5
-"""The same of crests, of which a triangle has 1 and a blunt fold less than 0."""
+VARYING = {"shortening": Parameter(0.0, -0.3, 0.5), "weakening": Parameter(0.01, 0.0, FADING)}
+POINTED = {"pointedness": Parameter(0.5, -50.0, 0.99)}
+"""Of crests: a triangle has 1 and a blunt fold less than 0."""
 PHASES = (0.0, -1 / 3, 1 / 3)
-"""Where in a fold the first begins, likewise."""
+"""Where in a fold the first begins, to start from."""
 
 
 class PeakLoad(Hypothesis):
@@ -55,28 +58,35 @@ class PeakLoad(Hypothesis):
     def _effects(self, reached: float, plateau: float) -> list[Effect]:
         """Peaks of a joint that is deformed by `reached` and has its plateau from `plateau` on, m."""
         latest = min(BEFORE * plateau, PASSED * reached)
-        force, width = Parameter(0.0, 0.0, 1e8), Parameter(0.4 * plateau, 0.01 * plateau, BEFORE * plateau)
         anywhere = {
-            "peak_force": force,
+            "peak_force": FORCE,
             "peak_deformation": Parameter(0.1 * reached, 0.01 * reached, PASSED * reached),
         }
-        early = {"peak_force": force, "peak_deformation": Parameter(min(plateau, latest), 0.01 * reached, latest)}
-        narrow = early | {"peak_sharpness": Parameter(8.0, 1.0, 200.0)}
-        flanked = early | {"peak_width": width}
-        dip = {"dip": Parameter(0.3, 0.0, 1.0), "recovery": Parameter(0.2 * reached, 0.01 * reached, reached)}
-        shapes = (
-            ("narrow", "peak", narrow),
-            ("with a dip", "dipping_peak", flanked | dip),
-            ("pointed", "pointed_peak", flanked),
-            ("uneven", "pointed_peak", flanked | {"peak_rise": width}),
-            ("bell", "bell_peak", flanked),
-            ("decaying", "decaying_peak", flanked | {"peak_rise": width}),
-        )
+        bumps = grid(peak_deformation=(0.08 * reached, 0.2 * reached))
         starts = grid(peak_deformation=[min(share * plateau, latest) for share in (0.7, 1.0, 1.4)])
-        bump = Effect(
-            self.physics, "bump", "peak", anywhere, "peak_force", grid(peak_deformation=(0.08 * reached, 0.2 * reached))
-        )
-        return [bump, *(Effect(self.physics, form, law, own, "peak_force", starts) for form, law, own in shapes)]
+        return [
+            Effect(self.physics, "bump", "peak", anywhere, "peak_force", bumps),
+            *(
+                Effect(self.physics, form, law, own, "peak_force", starts)
+                for form, law, own in _shapes(reached, plateau, latest)
+            ),
+        ]
+
+
+def _shapes(reached: float, plateau: float, latest: float) -> list[tuple[str, str, dict[str, Parameter]]]:
+    """Form, law and parameters of the peaks that come before the plateau."""
+    early = {"peak_force": FORCE, "peak_deformation": Parameter(min(plateau, latest), 0.01 * reached, latest)}
+    width = Parameter(0.4 * plateau, 0.01 * plateau, BEFORE * plateau)
+    flanked = early | {"peak_width": width}
+    dip = {"dip": Parameter(0.3, 0.0, 1.0), "recovery": Parameter(0.2 * reached, 0.01 * reached, reached)}
+    return [
+        ("narrow", "peak", early | {"peak_sharpness": Parameter(8.0, 1.0, 200.0)}),
+        ("with a dip", "dipping_peak", flanked | dip),
+        ("pointed", "pointed_peak", flanked),
+        ("uneven", "pointed_peak", flanked | {"peak_rise": width}),
+        ("bell", "bell_peak", flanked),
+        ("decaying", "decaying_peak", flanked | {"peak_rise": width}),
+    ]
 
 
 class ProgressiveFolding(Hypothesis):
@@ -91,34 +101,31 @@ class ProgressiveFolding(Hypothesis):
         return [form for joint in compressed(model, motion) for form in self._forms(model, joint, motion)]
 
     def _forms(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
-        reached, plateau = largest_deformation(motion, joint.name), _plateau(motion, joint.name)
-        folds = {
-            "amplitude": Parameter(0.0, 0.0, 1e7),
-            "fold_length": Parameter(0.2 * reached, 0.02 * reached, LONGEST * reached),
-            "onset": Parameter(0.0, 0.0, LAST * reached),
-        }
-        shaped = {
-            **folds,
-            "fold_length": Parameter(0.2 * reached, 0.02 * reached, LONGEST_SHAPED * reached),
-            "skew": Parameter(SKEW, -0.98, 0.98),
-            "arch": Parameter(0.1, 0.0, 0.95),
-            "shortening": Parameter(0.0, -0.3, 0.5),
-            "weakening": Parameter(0.01, 0.0, FADING),
-        }
-        pointed = {**shaped, "pointedness": Parameter(POINTED, -50.0, 0.99)}
-        del pointed["arch"]
-        begin = min(plateau, LATEST * reached)
-        lengths = [(reached - begin) / number for number in FOLDS]
-        starts = [{"fold_length": one, "onset": max(0.0, begin + phase * one)} for phase in PHASES for one in lengths]
-        of_one_phase = [start for start in starts[: len(lengths)] if start["fold_length"] < LONGEST_SHAPED * reached]
-        return [
-            added(model, joint, Effect(self.physics, "sine", "folding", folds, "amplitude", starts)),
-            added(model, joint, Effect(self.physics, "shaped", "folding", shaped, "amplitude", of_one_phase)),
-            evolve(
-                added(model, joint, Effect(self.physics, "pointed", "folding", pointed, "amplitude", of_one_phase)),
-                refined=True,
-            ),
-        ]
+        reached = largest_deformation(motion, joint.name)
+        starts = _starts(reached, _plateau(motion, joint.name))
+        folds, shaped = _folds(reached, LONGEST), _folds(reached, LONGEST_SHAPED) | SKEWED
+        of_one_phase = [start for start in starts[: len(FOLDS)] if start["fold_length"] < LONGEST_SHAPED * reached]
+        sine = Effect(self.physics, "sine", "folding", folds, "amplitude", starts)
+        arched = Effect(self.physics, "shaped", "folding", shaped | ARCHED | VARYING, "amplitude", of_one_phase)
+        pointed = evolve(arched, form="pointed", parameters=shaped | VARYING | POINTED)
+        forms = [added(model, joint, effect) for effect in (sine, arched, pointed)]
+        return [evolve(form, refined=form.form == "pointed") for form in forms]
+
+
+def _folds(reached: float, longest: float) -> dict[str, Parameter]:
+    """Of a joint that is deformed so far, m; none is longer than this share of it."""
+    return {
+        "amplitude": Parameter(0.0, 0.0, 1e7),
+        "fold_length": Parameter(0.2 * reached, 0.02 * reached, longest * reached),
+        "onset": Parameter(0.0, 0.0, LAST * reached),
+    }
+
+
+def _starts(reached: float, plateau: float) -> list[dict[str, float]]:
+    """Every number of folds from the plateau on, in every phase."""
+    begin = min(plateau, LATEST * reached)
+    lengths = [(reached - begin) / number for number in FOLDS]
+    return [{"fold_length": one, "onset": max(0.0, begin + phase * one)} for phase in PHASES for one in lengths]
 
 
 def _plateau(motion: Sequence[xr.Dataset], joint: str) -> float:

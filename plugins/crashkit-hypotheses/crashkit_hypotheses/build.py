@@ -1,6 +1,6 @@
 """How the hypotheses of this distribution put an effect into a model: as a joint, in the law of one, or as a factor."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import product
 
 import numpy as np
@@ -141,6 +141,30 @@ def proposal(model: Model, location: Mapping[str, object], prefix: str, effect: 
         {} if effect.null is None else dict.fromkeys(amplitudes, effect.null),
         tuple({prefix + name: value for name, value in start.items()} for start in effect.starts),
     )
+
+
+def proposal_at(
+    *,
+    physics: str,
+    form: str,
+    location: Mapping[str, object],
+    model: Model,
+    paths: Mapping[str, str],
+    starts: Iterable[Mapping[str, float]],
+) -> Proposal:
+    """The proposal of a model whose new parameters stand at several paths and vanish at none.
+
+    Arguments:
+        paths: of the free ones, by the names that `starts` give them.
+    """
+    named = tuple({paths[name]: value for name, value in start.items()} for start in starts)
+    return Proposal(physics, form, location, model, parameters=tuple(paths.values()), null={}, starts=named)
+
+
+def free_paths(joint: Joint) -> dict[str, str]:
+    """Of the free parameters of a joint, by name."""
+    free = [key for key, value in joint.parameters.items() if isinstance(value, Parameter) and not value.fixed]
+    return {key: f"joint.{joint.name}.{key}" for key in free}
 
 
 def _entries(prefix: str, name: str, effect: Effect) -> list[str]:

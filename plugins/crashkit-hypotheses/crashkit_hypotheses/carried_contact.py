@@ -5,18 +5,23 @@ from itertools import product
 
 import numpy as np
 import xarray as xr
-from attrs import evolve, frozen
+from attrs import frozen
 
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.model.edit import fresh_name, with_body, with_joint
 from crashkit.protocols import Proposal
-from crashkit_hypotheses.build import forward, plane_inertia
+from crashkit_hypotheses.build import forward, free_paths, plane_inertia, proposal_at
 
 PLASTIC = 50.0
 """Unloading over loading slope: a crushed structure gives hardly any energy back. The channels of a carrier cannot tell a load
 that rebounds from one that stays, so this is a prior, not an estimate."""
 SHARES = (0.05, 0.5)
 """Of the carrier's mass, that a load may have."""
+REST = (0.5, 1.05)
+"""Of the carrier's stated mass, what it may have without its load: the heaviest leaves it half. As the stated mass may be too
+small, it may also have a little more."""
+ONSET = 0.1
+"""Of the greatest force that the carrier does not balance, where it sets in: less may be noise, or a wrong mass."""
 FORMS = ("contact", "crushing_contact")
 LIGHT = (0.3, 0.5, 0.8)
 """Masses to start from, relative to the momentum's."""
@@ -24,6 +29,8 @@ NEAR = (1.0, 0.8)
 """Gaps to start from: a soft first contact hides in the model's own forces."""
 MOUNT_PERIODS = (0.3, 0.14, 0.07)
 """s, of the load on its mount."""
+LENGTHS = ("clearance", "densification_deformation")
+"""Of a contact: they do not grow with the load."""
 FAR = Parameter(1e3, fixed=True)
 
 
@@ -62,7 +69,7 @@ def meeting(recording: xr.DataTree, carrier: Body, mass: float, obstacles: Seque
     if not SHARES[0] * mass < load < SHARES[1] * mass:
         return None
     peak = int(np.argmax(residual[: end + 1]))
-    quiet = np.flatnonzero(residual[:peak] < 0.1 * residual[peak])
+    quiet = np.flatnonzero(residual[:peak] < ONSET * residual[peak])
     start = int(quiet[-1]) + 1 if len(quiet) else 0
     travel = 0.5 * velocity[start] * (time[end] - time[start])
     return Meeting(float(load), float(way[start]), float(travel), float(residual[peak]), float(way.max()))
@@ -86,25 +93,35 @@ def _obstacles(model: Model, carrier: str) -> list[str]:
 
 
 def _proposal(model: Model, carrier: Body, mass: float, obstacle: str, found: Meeting, form: str) -> Proposal:
-    load = fresh_name(f"{carrier.name}_load", (b.name for b in model.bodies))
-    mount, contact = (fresh_name(f"{load}_{kind}", (j.name for j in model.joints)) for kind in ("mount", "contact"))
-    rest = Parameter(mass - found.mass, 0.5 * mass, 1.05 * mass)
-    weight = Parameter(found.mass, SHARES[0] * mass, SHARES[1] * mass)
-    lighter = evolve(model, bodies=tuple(evolve(b, mass=rest) if b.name == carrier.name else b for b in model.bodies))
-    inertia = plane_inertia(model, found.mass)
-    augmented = with_body(
-        lighter, Body(load, carrier.position, carrier.velocity, weight, carrier=carrier.name, inertia=inertia)
-    )
+    load = _load(model, carrier, mass, found)
+    law = _crushed(found) if form == "crushing_contact" else _contact(found)
     # Deformation grows as the first body moves on towards the second.
-    laws = {mount: _mount(found), contact: _crushed(found) if form == "crushing_contact" else _contact(found)}
-    for name, bodies in ((mount, (carrier.name, load)), (contact, (load, obstacle))):
-        joint = Joint(name, bodies, "crush_plateau", laws[name], normal=forward(model, carrier))
-        augmented = with_joint(augmented, joint)
-    masses = (f"body.{carrier.name}.mass", f"body.{load}.mass")
-    free = {f"joint.{name}.{key}": value for name, law in laws.items() for key, value in law.items() if not value.fixed}
-    starts = tuple(_starts(masses, mount, contact, free, mass, found))
-    form = form if len(_obstacles(model, carrier.name)) == 1 else f"{form} with {obstacle}"
-    return Proposal("carried_load", form, {"body": carrier.name}, augmented, (*masses, *free), {}, starts)
+    mount = _joint(model, carrier, f"{load.name}_mount", (carrier.name, load.name), _mount(found))
+    contact = _joint(model, carrier, f"{load.name}_contact", (load.name, obstacle), law)
+    rest = f"body.{carrier.name}.mass"
+    lighter = model.with_parameters({rest: Parameter(mass - found.mass, REST[0] * mass, REST[1] * mass)})
+    paths = {"rest": rest, "load": f"body.{load.name}.mass"}
+    paths |= {f"mount.{key}": path for key, path in free_paths(mount).items()}
+    paths |= {f"contact.{key}": path for key, path in free_paths(contact).items()}
+    return proposal_at(
+        physics="carried_load",
+        form=form if len(_obstacles(model, carrier.name)) == 1 else f"{form} with {obstacle}",
+        location={"body": carrier.name},
+        model=with_joint(with_joint(with_body(lighter, load), mount), contact),
+        paths=paths,
+        starts=_starts(mass, found, law),
+    )
+
+
+def _load(model: Model, carrier: Body, mass: float, found: Meeting) -> Body:
+    name = fresh_name(f"{carrier.name}_load", (b.name for b in model.bodies))
+    weight, inertia = Parameter(found.mass, SHARES[0] * mass, SHARES[1] * mass), plane_inertia(model, found.mass)
+    return Body(name, carrier.position, carrier.velocity, weight, carrier=carrier.name, inertia=inertia)
+
+
+def _joint(model: Model, carrier: Body, name: str, ends: tuple[str, str], law: Mapping[str, Parameter]) -> Joint:
+    name = fresh_name(name, (j.name for j in model.joints))
+    return Joint(name, ends, "crush_plateau", dict(law), normal=forward(model, carrier))
 
 
 def _mount(found: Meeting) -> dict[str, Parameter]:
@@ -145,19 +162,17 @@ def _mount_stiffness(mass: float, period: float) -> float:
     return mass * (2.0 * np.pi / period) ** 2
 
 
-def _starts(
-    masses: tuple[str, str], mount: str, contact: str, free: Mapping[str, Parameter], mass: float, found: Meeting
-) -> Iterator[dict[str, float]]:
+def _starts(mass: float, found: Meeting, contact: Mapping[str, Parameter]) -> Iterator[dict[str, float]]:
     """Loads lighter than the momentum says, their forces in proportion: the model's own forces still bear part of the load."""
-    forces = {path: value.value for path, value in free.items() if not path.endswith(("clearance", "deformation"))}
+    forces = {key: one.value for key, one in contact.items() if not one.fixed and key not in LENGTHS}
     for light, near, period in product(LIGHT, NEAR, MOUNT_PERIODS):
         load = light * found.mass
         yield {
-            masses[0]: mass - load,
-            masses[1]: load,
-            **{path: light * value for path, value in forces.items()},
-            f"joint.{mount}.elastic_stiffness": _mount_stiffness(load, period),
-            f"joint.{contact}.clearance": near * found.gap,
+            "rest": mass - load,
+            "load": load,
+            "mount.elastic_stiffness": _mount_stiffness(load, period),
+            **{f"contact.{key}": light * value for key, value in forces.items()},
+            "contact.clearance": near * found.gap,
         }
 
 

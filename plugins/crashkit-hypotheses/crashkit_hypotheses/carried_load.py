@@ -10,7 +10,7 @@ from attrs import evolve, frozen
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.model.edit import fresh_name, with_body, with_joint
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import forward, grid, plane_inertia
+from crashkit_hypotheses.build import forward, free_paths, grid, plane_inertia, proposal_at
 from crashkit_hypotheses.carried_contact import meets_obstacle
 
 MASS_SHARES = (0.015, 0.05, 0.2)
@@ -216,17 +216,26 @@ def _loaded(
         rubs: parameters of its friction on the carrier, if there is any.
         factors: on the force of the tie.
     """
-    model, body, mass = carrier.model, carrier.body, carrier.mass
-    load = fresh_name(f"{body.name}_load", (b.name for b in model.bodies))
-    tie, friction = (fresh_name(f"{load}_{what}", (j.name for j in model.joints)) for what in ("tie", "friction"))
-    weight = Parameter(0.1 * mass, 0.01 * mass, 2.0 * mass)
-    loaded = Body(load, body.position, body.velocity, weight, carrier=body.name, inertia=plane_inertia(model, mass))
-    augmented, paths = with_body(model, loaded), {"mass": f"body.{load}.mass"}
-    for name, law_of, own, by in ((tie, law, parameters, factors), (friction, "coulomb", rubs or {}, ())):
-        if own:
-            # The load comes first, so that its pressing forward counts as compression.
-            joint = Joint(name, (load, body.name), law_of, dict(own), by, normal=forward(model, body))
-            augmented = with_joint(augmented, joint)
-            paths |= {key: f"joint.{name}.{key}" for key, parameter in own.items() if not parameter.fixed}
-    named = tuple({paths[name]: value for name, value in start.items()} for start in starts)
-    return Proposal("carried_load", form, {"body": body.name}, augmented, tuple(paths.values()), {}, named)
+    body, load = carrier.body, _load(carrier)
+    joints = [evolve(_joint(carrier, load, "tie", law, parameters), factors=factors)]
+    joints += [_joint(carrier, load, "friction", "coulomb", rubs)] if rubs else []
+    augmented, paths = with_body(carrier.model, load), {"mass": f"body.{load.name}.mass"}
+    for joint in joints:
+        augmented, paths = with_joint(augmented, joint), paths | free_paths(joint)
+    return proposal_at(
+        physics="carried_load", form=form, location={"body": body.name}, model=augmented, paths=paths, starts=starts
+    )
+
+
+def _load(carrier: Carrier) -> Body:
+    body, mass = carrier.body, carrier.mass
+    name = fresh_name(f"{body.name}_load", (b.name for b in carrier.model.bodies))
+    weight, inertia = Parameter(0.1 * mass, 0.01 * mass, 2.0 * mass), plane_inertia(carrier.model, mass)
+    return Body(name, body.position, body.velocity, weight, carrier=body.name, inertia=inertia)
+
+
+def _joint(carrier: Carrier, load: Body, kind: str, law: str, parameters: Parameters) -> Joint:
+    """The load comes first, so that its pressing forward counts as compression."""
+    name = fresh_name(f"{load.name}_{kind}", (j.name for j in carrier.model.joints))
+    ends, normal = (load.name, carrier.body.name), forward(carrier.model, carrier.body)
+    return Joint(name, ends, law, dict(parameters), normal=normal)

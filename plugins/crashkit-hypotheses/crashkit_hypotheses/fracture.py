@@ -11,6 +11,7 @@ from crashkit.protocols import Hypothesis, Proposal
 from crashkit.registry import load
 from crashkit_hypotheses.build import Effect, added, grid, multiplied
 from crashkit_hypotheses.sizes import (
+    is_compressed,
     largest_deformation,
     largest_extension,
     largest_force,
@@ -39,7 +40,7 @@ class Fracture(Hypothesis):
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """A loss at every joint that is compressed, a tear at every joint that pulls."""
         sound = [joint for joint in model.joints if joint.parameters.keys().isdisjoint(("loss", "lost_force"))]
-        pressed = [joint for joint in sound if largest_deformation(motion, joint.name) > 0]
+        pressed = [joint for joint in sound if is_compressed(motion, joint.name)]
         pulled = [joint for joint in sound if pulls(motion, joint.name)]
         return [
             *(form for joint in pressed for form in self._pressed(model, joint, motion, recordings)),

@@ -1,6 +1,6 @@
 """Forces that act beside a joint's law: damping, friction."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 import xarray as xr
@@ -9,22 +9,20 @@ from attrs import evolve
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import Effect, grid, multiplied, parallel, pushing_beside
+from crashkit_hypotheses.friction import REFINED, SLOWEST, TAIL, falling, smooth
 from crashkit_hypotheses.sizes import compressed, largest_deformation, largest_extension, largest_rate, largest_recoil
+
+Parameters = dict[str, Parameter]
+FrictionLaws = Mapping[str, tuple[str, Parameters]]
 
 BRISTLE = 0.05
 """Of the deformation reached: length of a bristle to start from."""
-SLIP_RATE, FASTEST_SLIP = 0.4, 3.0
-"""m/s: how fast smooth friction slides once it is established, to start from, and at most."""
-TAIL = {"tail": Parameter(1.0, -0.5, 2.5)}
-"""Of smooth friction that is long in reaching its full force."""
-REFINED = ("smooth and falling", "smooth with a tail")
-"""The forms of friction that are only tried where another was found: they take many shapes."""
-MOST_RISING = -0.5
-"""Of friction that rises with the rate, what it has less at first: more would be a damper."""
 SPRUNG_BACK = 0.5
 """Share of its deformation from which on a joint that springs back may part, with friction or another load."""
-SLOWEST = 0.5
-"""m/s, below which friction is not asked how it changes with the rate."""
+ALWAYS, CLOSED = {"always": Parameter(1.0, fixed=True)}, {"always": Parameter(0.0, fixed=True)}
+"""Friction that also acts where the joint is open, and friction that does not."""
+FORCE = {"friction_force": Parameter(0.0, 0.0, 1e7)}
+SHARE = {"friction_share": Parameter(0.0, 0.0, 1.0), "slip_rate": Parameter(0.1, 0.01, 1.0)}
 
 
 class ViscousDamping(Hypothesis):
@@ -73,61 +71,68 @@ class JointFriction(Hypothesis):
         return [form for joint in compressed(model, motion) for form in self._forms(model, joint, motion)]
 
     def _forms(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
-        reached = largest_deformation(motion, joint.name)
-        force = {"friction_force": Parameter(0.0, 0.0, 1e7)}
-        length = Parameter(BRISTLE * reached, 1e-3 * BRISTLE * reached, reached)
-        less, established = falling(largest_rate(motion, joint.name)), smooth(largest_rate(motion, joint.name))
-        laws = {
-            "sharp": ("coulomb", {**force, "slip_rate": Parameter(0.05, fixed=True)}),
-            "smooth": ("coulomb", force | established),
-            "falling": ("coulomb", less),
-            REFINED[0]: ("coulomb", less | established),
-            REFINED[1]: ("coulomb", force | established | TAIL),
-            "bristles": ("dahl", {**force, "bristle_length": length}),
-        }
-        always, closed = ({"always": Parameter(flag, fixed=True)} for flag in (1.0, 0.0))
-        may_part = largest_extension(motion, joint.name) > 0.0 or largest_recoil(motion, joint.name) > SPRUNG_BACK * reached
-        times = {"": always, ", while compressed": closed} if may_part else {"": always}
-        told = [
-            (form, Effect(self.physics, f"{form}{when}", law, {**numbers, **during}, "friction_force"))
-            for form, (law, numbers) in laws.items()
-            for when, during in times.items()
+        fastest = largest_rate(motion, joint.name)
+        times = {"": ALWAYS, ", while compressed": CLOSED} if _may_part(joint, motion) else {"": ALWAYS}
+        laws = _friction_laws(largest_deformation(motion, joint.name), fastest)
+        plain = [*self._beside(model, joint, laws, times), multiplied(model, joint, self._in_proportion())]
+        fine = [*self._only_pushing(model, joint, fastest), *self._finer_in_proportion(model, joint, fastest)]
+        forms = [*plain, *(evolve(form, refined=True) for form in fine)]
+        return [evolve(form, odds=1.0 / len(times)) for form in forms]
+
+    def _beside(self, model: Model, joint: Joint, laws: FrictionLaws, times: Mapping[str, Parameters]) -> list[Proposal]:
+        """Friction that nothing of the joint's own force presses."""
+        forms = []
+        for form, (law, numbers) in laws.items():
+            for when, during in times.items():
+                effect = Effect(self.physics, f"{form}{when}", law, {**numbers, **during}, "friction_force")
+                forms.append(evolve(parallel(model, joint, effect), refined=form in REFINED))
+        return forms
+
+    def _only_pushing(self, model: Model, joint: Joint, fastest: float) -> list[Proposal]:
+        """Friction which together with the joint's own force only pushes."""
+        shapes = {"smooth": FORCE | smooth(fastest), "smooth and falling": falling(fastest) | smooth(fastest)}
+        effects = [
+            Effect(self.physics, f"{form}, only pushing", "coulomb", shape | CLOSED, "friction_force")
+            for form, shape in shapes.items()
         ]
-        odds = 1.0 / len(times)
-        beside = [evolve(parallel(model, joint, effect), refined=form in REFINED, odds=odds) for form, effect in told]
-        pushing = Effect(self.physics, "smooth, only pushing", "coulomb", force | established | closed, "friction_force")
-        slower_pushing = evolve(pushing, form="smooth and falling, only pushing", parameters=less | established | closed)
-        share = {"friction_share": Parameter(0.0, 0.0, 1.0), "slip_rate": Parameter(0.1, 0.01, 1.0)}
-        pressed = Effect(self.physics, "in proportion", "rubbing", share, "friction_share")
-        preload = Effect(self.physics, "preloaded", "coulomb", force | established | always, "friction_force")
+        return [form for effect in effects for form in pushing_beside(model, joint, effect)]
+
+    def _in_proportion(self) -> Effect:
+        """Friction that the joint's own force presses."""
+        return Effect(self.physics, "in proportion", "rubbing", SHARE, "friction_share")
+
+    def _finer_in_proportion(self, model: Model, joint: Joint, fastest: float) -> list[Proposal]:
+        """The same that falls with the rate; and both where something else presses too."""
+        less = falling(fastest)
         # A share that rises with the rate is a rate effect.
         slower = {"slip_rate": less["slip_rate"], "stick": evolve(less["stick"], lower=0.0), "stick_rate": less["stick_rate"]}
-        slipping = evolve(pressed, form="in proportion, falling", parameters={**share, **slower})
-        fine = [
-            *(form for effect in (pushing, slower_pushing) for form in pushing_beside(model, joint, effect)),
+        pressed = self._in_proportion()
+        slipping = evolve(pressed, form="in proportion, falling", parameters=SHARE | slower)
+        preload = Effect(self.physics, "preloaded", "coulomb", FORCE | smooth(fastest) | ALWAYS, "friction_force")
+        return [
             multiplied(model, joint, slipping),
             _both(model, joint, pressed, preload),
-            _both(model, joint, slipping, evolve(preload, parameters=less | always)),
+            _both(model, joint, slipping, evolve(preload, parameters=less | ALWAYS)),
         ]
-        plain = [*beside, evolve(multiplied(model, joint, pressed), odds=odds)]
-        return [*plain, *(evolve(form, refined=True, odds=odds) for form in fine)]
 
 
-def smooth(fastest: float) -> dict[str, Parameter]:
-    """Of friction: how fast it slides once it is established, m/s. Beyond the fastest there was it would be a damper."""
-    fastest = min(max(fastest, SLOWEST), FASTEST_SLIP)
-    return {"slip_rate": Parameter(min(SLIP_RATE, 0.3 * fastest), 0.01, fastest)}
-
-
-def falling(fastest: float) -> dict[str, Parameter]:
-    """Parameters of friction that changes with the rate, m/s, up to the fastest there was."""
-    fastest = max(fastest, SLOWEST)
+def _friction_laws(reached: float, fastest: float) -> FrictionLaws:
+    """The law of each form, and its parameters, in a joint that is deformed so far, m, and so fast, m/s."""
+    less, established = falling(fastest), smooth(fastest)
+    length = Parameter(BRISTLE * reached, 1e-3 * BRISTLE * reached, reached)
     return {
-        "friction_force": Parameter(0.0, 0.0, 1e7),
-        "slip_rate": Parameter(0.05, fixed=True),
-        "stick": Parameter(0.3, MOST_RISING, 9.0),
-        "stick_rate": Parameter(0.2 * fastest, 0.02 * fastest, 2.0 * fastest),
+        "sharp": ("coulomb", FORCE | {"slip_rate": Parameter(0.05, fixed=True)}),
+        "smooth": ("coulomb", FORCE | established),
+        "falling": ("coulomb", less),
+        "smooth and falling": ("coulomb", less | established),
+        "smooth with a tail": ("coulomb", FORCE | established | TAIL),
+        "bristles": ("dahl", FORCE | {"bristle_length": length}),
     }
+
+
+def _may_part(joint: Joint, motion: Sequence[xr.Dataset]) -> bool:
+    back = SPRUNG_BACK * largest_deformation(motion, joint.name)
+    return largest_extension(motion, joint.name) > 0.0 or largest_recoil(motion, joint.name) > back
 
 
 def _both(model: Model, joint: Joint, factor: Effect, force: Effect) -> Proposal:

@@ -10,7 +10,7 @@ from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit.registry import load
 from crashkit_hypotheses.build import Effect, changed, grid, multiplied
-from crashkit_hypotheses.sizes import largest_deformation, largest_force
+from crashkit_hypotheses.sizes import is_compressed, largest_deformation, largest_force
 
 LEVEL = Parameter(1.0, fixed=True)
 """N/m, a slope so small that the joint keeps its largest force on the way back, for a factor to lessen."""
@@ -28,8 +28,7 @@ class PlasticUnloading(Hypothesis):
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every joint whose law can unload by its own slope and does not."""
-        elastic = [joint for joint in model.joints if _is_elastic(joint)]
-        used = [joint for joint in elastic if largest_deformation(motion, joint.name) > 0]
+        used = [joint for joint in model.joints if _is_elastic(joint) and is_compressed(motion, joint.name)]
         plain = (self._line, self._fading, self._set, self._line_of_a_share, self._fading_of_a_share)
         forms = (*plain, self._two_lines, self._two_lines_of_a_share)
         return [one for joint in used for form in forms if (one := form(model, joint, motion)) is not None]

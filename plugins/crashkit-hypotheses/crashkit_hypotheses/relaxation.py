@@ -10,7 +10,7 @@ from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit.registry import load
 from crashkit_hypotheses.build import Effect, changed, grid, multiplied, parallel
-from crashkit_hypotheses.sizes import largest_deformation, largest_force
+from crashkit_hypotheses.sizes import compressed, duration, largest_deformation, largest_force
 
 TIME_SHARES = (0.05, 0.3)
 """Relaxation times to start from, in durations of a run: shorter ones are dashpots, longer ones springs."""
@@ -31,13 +31,12 @@ class Relaxation(Hypothesis):
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """A Maxwell element beside every joint that is compressed; a share of its own force, or of its changes, that fades."""
-        used = [joint for joint in model.joints if largest_deformation(motion, joint.name) > 0]
-        return [form for joint in used for form in self._forms(model, joint, motion)]
+        return [form for joint in compressed(model, motion) for form in self._forms(model, joint, motion)]
 
     def _forms(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
-        duration = max(float(one["time"].values[-1]) for one in motion)
-        time = Parameter(TIME_SHARES[0] * duration, 1e-3, 10.0 * duration)
-        times = [share * duration for share in TIME_SHARES]
+        longest = duration(motion)
+        time = Parameter(TIME_SHARES[0] * longest, 1e-3, 10.0 * longest)
+        times = [share * longest for share in TIME_SHARES]
         trace = TRACE * largest_force(motion, joint.name) / largest_deformation(motion, joint.name)
         maxwell = self._maxwell(model, joint, time, grid(relaxing_stiffness=(trace,), relaxation_time=times))
         if "fading" in joint.factors:

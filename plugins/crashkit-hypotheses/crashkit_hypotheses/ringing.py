@@ -7,17 +7,19 @@ import xarray as xr
 from scipy.signal import find_peaks, periodogram
 
 from crashkit.registry import load
-from crashkit_hypotheses.accused import Accused
+from crashkit_hypotheses.sensors import Sensor
 
 LOWEST, HIGHEST = 60.0, 5e3
 """Hz; below, structures move; above, a mount is as good as rigid."""
 UNSEEN = (150.0, 500.0)
 """Hz, where nothing can be compared."""
+FEWEST = 8
+"""Frequencies of a spectrum: with fewer, no peak is told from its neighbours, of which five are averaged."""
 
 
-def ringing_frequencies(one: Accused, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> tuple[float, ...]:
+def ringing_frequencies(sensor: Sensor, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> tuple[float, ...]:
     """The two peaks that stand out most in the spectra of readings minus motion, Hz, over all recordings."""
-    spectra = [spectrum for spectrum in _spectra(one, motion, recordings) if len(spectrum[0]) > 8]
+    spectra = [spectrum for spectrum in _spectra(sensor, motion, recordings) if len(spectrum[0]) > FEWEST]
     if not spectra:
         return UNSEEN
     frequency = spectra[0][0]
@@ -36,19 +38,19 @@ def _level(frequency: np.ndarray, density: np.ndarray) -> np.ndarray:
 
 
 def _spectra(
-    one: Accused, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]
+    sensor: Sensor, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Frequencies and density of each recording that the sensor is in."""
+    name = sensor.instrument
     for run, recording in zip(motion, recordings, strict=False):
-        instruments = recording.children
-        group = instruments[one.instrument].to_dataset(inherit=False) if one.instrument in instruments else xr.Dataset()
-        if "sensor" not in group.coords or one.sensor not in group["sensor"].values:
+        group = recording.children[name].to_dataset(inherit=False) if name in recording.children else xr.Dataset()
+        if "sensor" not in group.coords or sensor.name not in group["sensor"].values:
             continue
         quantity = load().observers[str(group.attrs["observer"])].quantity
         felt = {"acceleration": "acceleration", "force": "contact_force"}.get(quantity, "")
         if felt in run and group.sizes["time"] > 1:
-            readings = group[quantity].sel(sensor=one.sensor).isel(axis=0).values
-            body = str(group["sensor_body"].sel(sensor=one.sensor).values)
+            readings = group[quantity].sel(sensor=sensor.name).isel(axis=0).values
+            body = str(group["sensor_body"].sel(sensor=sensor.name).values)
             times = group["time"].values
             moved = np.interp(times, run["time"].values, run[felt].sel(body=body).isel(axis=0).values)
             yield periodogram(np.nan_to_num(readings - moved), 1.0 / np.median(np.diff(times)), window="hann")

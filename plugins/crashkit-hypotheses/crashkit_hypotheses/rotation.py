@@ -5,16 +5,12 @@ from typing import ClassVar
 
 import xarray as xr
 
-from crashkit.model import Model, Parameter
+from crashkit.model import Model
 from crashkit.model.edit import with_instrument_error
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.accused import Accused, accused
-
-TURNS = (0.2, 0.7, 2.0)
-"""How often a body rocks in a run, to start from."""
-FEWEST, MOST = 0.1, 10.0
-"""The same, that is believed. A car pitches on its suspension at 1 to 2 Hz: a quarter of a turn in a crash."""
-ERRORS = ("rocking_share", "rocking_frequency", "rocking_damping")
+from crashkit_hypotheses.rocking import ERRORS, TURNS, rocking
+from crashkit_hypotheses.sensors import Sensor, sensors_with
+from crashkit_hypotheses.sizes import duration
 
 
 class Rotation(Hypothesis):
@@ -30,22 +26,22 @@ class Rotation(Hypothesis):
         """Every body that moves and carries sensors, if the model is on a line: in the plane bodies turn."""
         if len(model.axes) > 1:
             return []
-        duration = longest(motion)
-        sensors = accused(model, recordings, ERRORS)
+        longest = duration(motion)
+        sensors = sensors_with(ERRORS, model, recordings)
         moving = [body.name for body in model.bodies if not body.fixed]
-        riders = {name: [one for one in sensors if one.body == name] for name in moving}
-        return [self._rocking(model, name, own, duration) for name, own in riders.items() if own]
+        riders = {name: [sensor for sensor in sensors if sensor.body == name] for name in moving}
+        return [self._rocking(model, name, own, longest) for name, own in riders.items() if own]
 
-    def _rocking(self, model: Model, name: str, sensors: Sequence[Accused], duration: float) -> Proposal:
-        shape = rocking(duration)
+    def _rocking(self, model: Model, name: str, sensors: Sequence[Sensor], longest: float) -> Proposal:
+        shape = rocking(longest)
         share = shape.pop("rocking_share")
-        paths = [f"{one.prefix}rocking_share" for one in sensors]
-        for one in sensors:
-            model = with_instrument_error(model, one.instrument, one.sensor, "rocking_share", share)
-        oscillators = dict.fromkeys(_oscillator(model, one, sensors) for one in sensors)
-        for instrument, sensor in oscillators:
+        paths = [f"{sensor.prefix}rocking_share" for sensor in sensors]
+        for sensor in sensors:
+            model = with_instrument_error(model, sensor.instrument, sensor.name, "rocking_share", share)
+        oscillators = dict.fromkeys(_oscillator(model, sensor, sensors) for sensor in sensors)
+        for instrument, own in oscillators:
             for error, parameter in shape.items():
-                model = with_instrument_error(model, instrument, sensor, error, parameter)
+                model = with_instrument_error(model, instrument, own, error, parameter)
         shapes = {error: [f"instrument.{'.'.join(one)}.{error}" for one in oscillators] for error in shape}
         return Proposal(
             self.physics,
@@ -54,26 +50,12 @@ class Rotation(Hypothesis):
             model,
             (*paths, *(path for error in shape for path in shapes[error])),
             dict.fromkeys(paths, 0.0),
-            tuple(dict.fromkeys(shapes["rocking_frequency"], turns / duration) for turns in TURNS),
+            tuple(dict.fromkeys(shapes["rocking_frequency"], turns / longest) for turns in TURNS),
         )
 
 
-def _oscillator(model: Model, one: Accused, sensors: Sequence[Accused]) -> tuple[str, str]:
+def _oscillator(model: Model, sensor: Sensor, sensors: Sequence[Sensor]) -> tuple[str, str]:
     """Whose frequency and damping a sensor has: those of its instrument, if several of that ride on the body."""
-    several = sum(other.instrument == one.instrument for other in sensors) > 1
-    taken = f"instrument.{one.instrument}..rocking_frequency" in model.parameters()
-    return one.instrument, "" if several and not taken else one.sensor
-
-
-def rocking(duration: float) -> dict[str, Parameter]:
-    """What a sensor reads of a movement that no axis of the model has, in runs of this length, s."""
-    return {
-        "rocking_share": Parameter(0.0, -2.0, 2.0),
-        "rocking_frequency": Parameter(1.0 / duration, FEWEST / duration, MOST / duration),
-        "rocking_damping": Parameter(0.3, 0.01, 0.95),
-    }
-
-
-def longest(motion: Sequence[xr.Dataset]) -> float:
-    """s, of these runs."""
-    return max(float(run["time"].values[-1]) for run in motion)
+    several = sum(other.instrument == sensor.instrument for other in sensors) > 1
+    taken = f"instrument.{sensor.instrument}..rocking_frequency" in model.parameters()
+    return sensor.instrument, "" if several and not taken else sensor.name

@@ -12,6 +12,11 @@ NEARER = 1e-3
 """m, least approach of two bodies that may touch."""
 
 
+def duration(motions: Sequence[xr.Dataset]) -> float:
+    """s, of the longest run."""
+    return max(float(motion["time"].values[-1]) for motion in motions)
+
+
 def largest_deformation(motions: Sequence[xr.Dataset], joint: str) -> float:
     """m, over all runs."""
     return max(float(np.nanmax(motion["deformation"].sel(joint=joint).values)) for motion in motions)
@@ -34,9 +39,14 @@ def pulls(motions: Sequence[xr.Dataset], joint: str) -> bool:
     return stretched and min(float(np.nanmin(one["force"].sel(joint=joint).values)) for one in motions) < 0.0
 
 
+def is_compressed(motions: Sequence[xr.Dataset], joint: str) -> bool:
+    """Whether a joint is compressed in some run."""
+    return largest_deformation(motions, joint) > 0.0
+
+
 def compressed(model: Model, motions: Sequence[xr.Dataset]) -> list[Joint]:
     """The joints that are compressed in some run."""
-    return [joint for joint in model.joints if largest_deformation(motions, joint.name) > 0.0]
+    return [joint for joint in model.joints if is_compressed(motions, joint.name)]
 
 
 def largest_force(motions: Sequence[xr.Dataset], joint: str) -> float:
@@ -47,6 +57,12 @@ def largest_force(motions: Sequence[xr.Dataset], joint: str) -> float:
 def largest_rate(motions: Sequence[xr.Dataset], joint: str) -> float:
     """m s-1, over all runs."""
     return max(float(np.nanmax(np.abs(motion["deformation_rate"].sel(joint=joint).values))) for motion in motions)
+
+
+def largest_speed(motions: Sequence[xr.Dataset], body: str | None = None) -> float:
+    """m s-1 along an axis, of one body or of any, over all runs."""
+    velocities = [motion["velocity"] if body is None else motion["velocity"].sel(body=body) for motion in motions]
+    return max(float(np.nanmax(np.abs(velocity.values))) for velocity in velocities)
 
 
 def largest_travel(motions: Sequence[xr.Dataset], body: str) -> float:

@@ -9,7 +9,19 @@ from attrs import evolve
 
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import Effect, Table, at_a_distance, between, driven, grounded, linked, multiplied, parallel
+from crashkit_hypotheses.build import (
+    Effect,
+    Table,
+    added,
+    at_a_distance,
+    between,
+    driven,
+    grid,
+    grounded,
+    linked,
+    multiplied,
+    parallel,
+)
 from crashkit_hypotheses.sizes import (
     approaching,
     compressed,
@@ -22,7 +34,11 @@ from crashkit_hypotheses.sizes import (
 )
 
 KNOTS = 24
-LINKED = "deformation of"
+BUMPS = 16
+"""Where a single bump is begun."""
+NARROW = 0.04
+"""Of the deformation reached: how wide."""
+DRIVEN = "deformation of"
 """Of another joint, whose name follows: form of a table."""
 LEAST = 1e-3
 """m, of a travel that bumps cover."""
@@ -43,11 +59,12 @@ explain it."""
 
 
 class Unknown(Hypothesis):
-    """A smooth table f over the range that the recordings cover.
+    """A smooth table f over the range that the recordings cover, or a narrow bump.
 
-    In a joint F = F_law + f(d), unloading in its own way or along f itself, there also where its ends are apart,
-    F_law + f(ddot), F_law (1 + f(ddot)), F_law + f(t), F_law (1 + f(d of another joint)) or, on a line, F_law + f(d of
-    another joint); on a body f(t), f(v) or f(travel); between two bodies that no joint joins f(approach).
+    In a joint F = F_law + f(d), unloading in its own way or along f itself, there also where its ends are apart;
+    F_law + B exp(-((d - c) / w)^2), F_law + f(ddot), F_law (1 + f(ddot)), F_law + f(t), F_law (1 + f(d of another joint)) or,
+    on a line, F_law + f(d of another joint); on a body f(t), f(v) or f(travel); between two bodies that no joint joins
+    f(approach).
     """
 
     physics: ClassVar[str] = "unknown"
@@ -58,63 +75,91 @@ class Unknown(Hypothesis):
         force is something else than one in its mount."""
         used = compressed(model, motion)
         pushed = [body for body in model.bodies if _differs(model, body, recordings)]
-        in_joints = [form for joint in used for form in self._in_joint(model, joint, motion)]
-        between_bodies = [self._between(model, pair, reach, motion) for pair, reach in approaching(model, motion).items()]
-        linked = [form for joint in used for form in self._linked(model, joint, used, motion)]
-        return in_joints + linked + between_bodies + [form for body in pushed for form in self._on_body(model, body, motion)]
-
-    def _in_joint(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
-        largest = max(largest_force(motion, joint.name), 1.0)
-        reach, fastest = largest_deformation(motion, joint.name), largest_rate(motion, joint.name)
-        of_deformation = _of_deformation(largest, reach)
-        both_ways = {name: value for name, value in of_deformation.items() if name != "unloading_length"}
-        apart = min(max(APART * reach, largest_extension(motion, joint.name)), reach)
-        from_afar = {**both_ways, "reach": Parameter(apart + reach, fixed=True)}
-        of_rate: Table = {"heights": _heights(largest), "reach": Parameter(fastest, fixed=True)}
-        share: Table = {"rate_heights": _heights(1.0), "rate_reach": Parameter(fastest, fixed=True)}
-        of_time = _of_time(largest, motion)
-        far = Effect(self.physics, "deformation, at a distance", "smooth_table", from_afar, "heights")
         return [
-            parallel(model, joint, Effect(self.physics, "deformation", "smooth_table", of_deformation, "heights")),
-            parallel(model, joint, Effect(self.physics, "deformation, both ways", "smooth_table", both_ways, "heights")),
-            *(evolve(form, odds=RARE) for form in at_a_distance(model, joint, far, apart)),
-            parallel(model, joint, Effect(self.physics, "rate", "rate_table", of_rate, "heights")),
-            multiplied(model, joint, Effect(self.physics, "rate, as a factor", "rate_curve", share, "rate_heights")),
-            parallel(model, joint, Effect(self.physics, "time", "time_table", of_time, "heights")),
+            *(form for joint in used for form in self._along(model, joint, motion)),
+            *(form for joint in used for form in self._in_motion(model, joint, motion)),
+            *(form for joint in used for form in self._narrow(model, joint, motion)),
+            *(form for joint in used for form in self._driven(model, joint, used, motion)),
+            *(self._between(model, pair, reach, motion) for pair, reach in approaching(model, motion).items()),
+            *(form for body in pushed for form in self._on_body(model, body, motion)),
         ]
 
-    def _linked(self, model: Model, joint: Joint, used: Sequence[Joint], motion: Sequence[xr.Dataset]) -> list[Proposal]:
+    def _along(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
+        """A table of the deformation: lost on the way back, not lost, or also where the ends of the joint are apart."""
+        largest, reach = _largest_in(joint, motion), largest_deformation(motion, joint.name)
+        lost = _of_deformation(largest, reach)
+        kept = {name: value for name, value in lost.items() if name != "unloading_length"}
+        apart = min(max(APART * reach, largest_extension(motion, joint.name)), reach)
+        from_afar = {**kept, "reach": Parameter(apart + reach, fixed=True)}
+        far = Effect(self.physics, "deformation, at a distance", "smooth_table", from_afar, "heights")
+        tables = [
+            Effect(self.physics, "deformation", "smooth_table", lost, "heights"),
+            Effect(self.physics, "deformation, both ways", "smooth_table", kept, "heights"),
+        ]
+        return [
+            *(evolve(parallel(model, joint, table), estimate_of="deformation") for table in tables),
+            *(evolve(one, estimate_of="distance", odds=RARE) for one in at_a_distance(model, joint, far, apart)),
+        ]
+
+    def _in_motion(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
+        """A table of the rate, which adds to the force or multiplies it, or of the time."""
+        largest, fastest = _largest_in(joint, motion), Parameter(largest_rate(motion, joint.name), fixed=True)
+        of_rate: Table = {"heights": _heights(largest), "reach": fastest}
+        share: Table = {"rate_heights": _heights(1.0), "rate_reach": fastest}
+        added_force = parallel(model, joint, Effect(self.physics, "rate", "rate_table", of_rate, "heights"))
+        factor = multiplied(model, joint, Effect(self.physics, "rate, as a factor", "rate_curve", share, "rate_heights"))
+        in_time = parallel(model, joint, Effect(self.physics, "time", "time_table", _of_time(largest, motion), "heights"))
+        return [
+            *(evolve(form, estimate_of="rate") for form in (added_force, factor)),
+            evolve(in_time, estimate_of="time"),
+        ]
+
+    def _narrow(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
+        """One bump, for which the heights of a table may be too far apart; asked where all else leaves something."""
+        largest, reach = _largest_in(joint, motion), largest_deformation(motion, joint.name)
+        bump = {
+            "bump_force": Parameter(0.0, -MOST * largest, MOST * largest),
+            "bump_deformation": Parameter(0.5 * reach, 0.0, reach),
+            "bump_width": Parameter(NARROW * reach, 0.1 * NARROW * reach, reach),
+        }
+        starts = grid(bump_deformation=[(i + 0.5) / BUMPS * reach for i in range(BUMPS)])
+        lost = Effect(self.physics, "bump", "bump", bump, "bump_force", starts)
+        kept = evolve(lost, form="bump, both ways")
+        forms = (added(model, joint, lost), parallel(model, joint, kept))
+        return [evolve(form, refined=True, estimate_of="deformation") for form in forms]
+
+    def _driven(self, model: Model, joint: Joint, used: Sequence[Joint], motion: Sequence[xr.Dataset]) -> list[Proposal]:
         """What other joints may do to this one: multiply its force or, on a line, add to it; asked where all else leaves
         something."""
-        largest, forms = max(largest_force(motion, joint.name), 1.0), []
+        forms = []
         for other in (one for one in used if set(one.bodies) != set(joint.bodies)):
-            name, reach = f"{LINKED} {other.name}", largest_deformation(motion, other.name)
+            name, reach = f"{DRIVEN} {other.name}", largest_deformation(motion, other.name)
             share: Table = {"driver_heights": _heights(1.0, SHARE), "driver_reach": Parameter(reach, fixed=True)}
             factor = Effect(self.physics, f"{name}, as a factor", "driven_curve", share, "driver_heights")
             forms.append(driven(model, joint, other, factor))
             if len(model.axes) == 1:
-                own = _of_deformation(largest, reach, LARGE)
+                own = _of_deformation(_largest_in(joint, motion), reach, LARGE)
                 forms.append(linked(model, joint, other, Effect(self.physics, name, "smooth_table", own, "heights")))
-        return [evolve(form, refined=True) for form in forms]
+        return [evolve(form, refined=True, estimate_of="deformation of another joint") for form in forms]
 
     def _between(self, model: Model, pair: tuple[str, str], reach: float, motion: Sequence[xr.Dataset]) -> Proposal:
         own = _of_deformation(_largest_at(model, pair, motion), reach)
-        return between(model, pair, Effect(self.physics, "deformation", "smooth_table", own, "heights"))
+        table = between(model, pair, Effect(self.physics, "deformation", "smooth_table", own, "heights"))
+        return evolve(table, estimate_of="deformation")
 
     def _on_body(self, model: Model, body: Body, motion: Sequence[xr.Dataset]) -> list[Proposal]:
+        """A table of the time, of its speed, or of how far it has come."""
         largest = _largest_at(model, (body.name,), motion)
         fastest = max(float(np.nanmax(np.abs(one["velocity"].sel(body=body.name).values))) for one in motion)
-        of_time = _of_time(largest, motion)
+        travel = max(largest_travel(motion, body.name), LEAST)
         of_speed: Table = {"heights": _heights(largest), "reach": Parameter(fastest, fixed=True)}
-        of_travel: Table = {
-            "heights": _heights(largest),
-            "reach": Parameter(max(largest_travel(motion, body.name), LEAST), fixed=True),
-        }
-        return [
-            grounded(model, body, Effect(self.physics, "time", "time_table", of_time, "heights")),
-            grounded(model, body, Effect(self.physics, "speed", "rate_table", of_speed, "heights")),
-            grounded(model, body, Effect(self.physics, "travel", "smooth_table", of_travel, "heights")),
-        ]
+        of_travel: Table = {"heights": _heights(largest), "reach": Parameter(travel, fixed=True)}
+        tables = (
+            Effect(self.physics, "time", "time_table", _of_time(largest, motion), "heights"),
+            Effect(self.physics, "speed", "rate_table", of_speed, "heights"),
+            Effect(self.physics, "travel", "smooth_table", of_travel, "heights"),
+        )
+        return [evolve(grounded(model, body, table), estimate_of=table.form) for table in tables]
 
 
 def _differs(model: Model, body: Body, recordings: Sequence[xr.DataTree]) -> bool:
@@ -124,6 +169,11 @@ def _differs(model: Model, body: Body, recordings: Sequence[xr.DataTree]) -> boo
     joints = [joint for joint in model.joints if body.name in joint.bodies]
     held = any(model.body(name).fixed for joint in joints for name in joint.bodies if name != body.name)
     return bool(joints) and (not held or forces_recorded(recordings))
+
+
+def _largest_in(joint: Joint, motion: Sequence[xr.Dataset]) -> float:
+    """Its largest force, N; at least one."""
+    return max(largest_force(motion, joint.name), 1.0)
 
 
 def _largest_at(model: Model, bodies: Sequence[str], motion: Sequence[xr.Dataset]) -> float:

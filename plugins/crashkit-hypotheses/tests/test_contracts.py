@@ -3,7 +3,7 @@
 import pytest
 
 from crashkit.testing import HypothesisContract
-from crashkit_hypotheses import body_forces, buckling, instrument_faults, parallel_forces, sensor_faults
+from crashkit_hypotheses import body_forces, buckling, calibration, distortion, parallel_forces
 from crashkit_hypotheses.bottoming import Bottoming
 from crashkit_hypotheses.carried_load import CarriedLoad
 from crashkit_hypotheses.clearance import Clearance
@@ -38,15 +38,15 @@ class TestGroundFriction(Contract):
 
 
 class TestBias(Contract):
-    kind = instrument_faults.Bias
+    kind = calibration.Bias
 
 
 class TestClockOffset(Contract):
-    kind = instrument_faults.ClockOffset
+    kind = calibration.ClockOffset
 
 
 class TestGainError(Contract):
-    kind = instrument_faults.GainError
+    kind = calibration.GainError
 
 
 class TestBottoming(Contract):
@@ -74,7 +74,7 @@ class TestMissingContact(Contract):
 
 
 class TestMountingResonance(Contract):
-    kind = sensor_faults.MountingResonance
+    kind = distortion.MountingResonance
 
 
 class TestObstacleMotion(Contract):
@@ -102,7 +102,7 @@ class TestRelaxation(Contract):
 
 
 class TestSaturation(Contract):
-    kind = sensor_faults.Saturation
+    kind = distortion.Saturation
 
 
 class TestTension(Contract):
@@ -123,5 +123,5 @@ class TestViscousDamping(Contract):
 
 def test_every_hypothesis_is_under_contract():
     assert {kind.kind for kind in Contract.__subclasses__()} == set(crashkit_hypotheses()) - {
-        sensor_faults.Misalignment,
+        distortion.Misalignment,
     }

@@ -14,8 +14,8 @@ from crashkit.registry import load
 from crashkit.testing import HypothesisContract, hypothesis_contract, toys
 from crashkit_hypotheses.body_forces import GroundFriction
 from crashkit_hypotheses.carried_load import CarriedLoad
+from crashkit_hypotheses.distortion import Misalignment
 from crashkit_hypotheses.obstacle_motion import ObstacleMotion
-from crashkit_hypotheses.sensor_faults import Misalignment
 
 pytestmark = pytest.mark.long
 

@@ -40,7 +40,7 @@ from crashkit_spring_laws.stops import (
     TensionSpring,
     YieldingStrap,
 )
-from crashkit_spring_laws.tables import DrivenCurve, RateCurve, RateTable, SmoothTable, TimeTable
+from crashkit_spring_laws.tables import Bump, DrivenCurve, RateCurve, RateTable, SmoothTable, TimeTable
 from crashkit_spring_laws.tie import Tie
 
 SPRING_LAWS = (
@@ -93,6 +93,7 @@ SPRING_LAWS = (
     SecondLine,
     Fading,
     SmoothTable,
+    Bump,
     RateTable,
     TimeTable,
     RateCurve,
@@ -104,6 +105,7 @@ __all__ = [
     "BellPeak",
     "BoucWen",
     "Brittle",
+    "Bump",
     "Coulomb",
     "CrushPlateau",
     "CrushStop",

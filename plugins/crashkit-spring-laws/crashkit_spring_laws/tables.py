@@ -53,6 +53,30 @@ class SmoothTable(SpringLaw):
         return total
 
 
+class Bump(SpringLaw):
+    """A force of either sign about one deformation: F = min(1, max(0, d) / engagement) B exp(-((d - bump_deformation) / w)^2).
+
+    It comes back along the way that it came, unless it stands in a law that loses its force.
+    """
+
+    name = "bump"
+    passive = False
+    parameters = (
+        ParameterSpec("bump_force", "N", "at its largest, of either sign (B)", null=0.0),
+        ParameterSpec("bump_deformation", "m", "where it is largest", lower=1e-4),
+        ParameterSpec("bump_width", "m", "from there to where 37 % of it are left (w)", lower=1e-4),
+        ENGAGEMENT,
+    )
+
+    @staticmethod
+    def force(
+        d: float, ddot: float, d_max: float, bump_force: float, bump_deformation: float, bump_width: float, engagement: float
+    ) -> float:
+        """The force, N, compression positive."""
+        over = (d - bump_deformation) / bump_width
+        return bump_force * math.exp(-(over * over)) * min(1.0, max(0.0, d) / engagement)
+
+
 class RateTable(SpringLaw):
     """A smooth force of the rate while in contact: bumps at even distances between -reach and reach.
 

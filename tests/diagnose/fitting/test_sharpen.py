@@ -100,4 +100,4 @@ def test_all_is_asked_again_of_finer_recordings_and_the_claim_stands_where_time_
     monkeypatch.setattr(diagnosis, "discover", discover)
     told = diagnosis._discovered_at_pace(workshop, model, {"run": recorded(model)}, given, base, [], None)
     assert asked == [({"run": asked[0][0]["run"]}, []), ({}, [found])]
-    assert told.rounds[0].leader.drop == (1.0 if is_answered else 1000.0)
+    assert told.findings[0].leader.drop == (1.0 if is_answered else 1000.0)

@@ -64,7 +64,7 @@ def test_where_no_motion_was_measured_nothing_is_told(workshop, given):
 
 def course(place, left):
     """At a joint."""
-    return FreeForce(Proposal("unknown", "time", {"joint": place}, toys.two_degrees(), (), {}), left)
+    return FreeForce(Proposal("unknown", "time", {"joint": place}, toys.two_degrees(), (), {}, estimate_of="time"), left)
 
 
 @pytest.mark.parametrize(
@@ -112,7 +112,7 @@ def test_what_leaves_something_elsewhere_gives_way_to_an_estimate_there(workshop
     rivals = (Rival(claim, search, 100.0, 50.0), Rival(table, estimate, 90.0, 40.0))
     look = Look(rivals, (0.9, 0.1), 0.0, one)
     found = _where_it_acts(inquiry(search), Discovery(one, one, search, (look,)))
-    assert found.rounds[0].leader.identity == first
-    assert found.rounds[0].probabilities[0] == max(found.rounds[0].probabilities) > 0.5
+    assert found.findings[0].leader.identity == first
+    assert found.findings[0].probabilities[0] == max(found.findings[0].probabilities) > 0.5
     assert (found.pointer is not None) is (first[0] == "unknown")
     assert found.search is (estimate if first[0] == "unknown" else search)

@@ -100,7 +100,7 @@ def test_everything_is_asked_again_from_where_the_model_alone_leaves_half_as_muc
     monkeypatch.setattr(explore, "may_conceal", lambda misfit: False)
     monkeypatch.setattr(explore, "_won", lambda search, look: None)
     monkeypatch.setattr(explore, "_found_widely", lambda inquiry, *others: inquiry.base)
-    monkeypatch.setattr(explore, "linked_instead", lambda inquiry, found: found)
+    monkeypatch.setattr(explore, "estimated_at_last", lambda inquiry, found: found)
     monkeypatch.setattr(explore, "_where_it_acts", lambda inquiry, found: found)
     monkeypatch.setattr(explore, "in_fewer_numbers", lambda inquiry, found: found)
     found = explore.explored(inquiry(alone[0], given=alone[0]))

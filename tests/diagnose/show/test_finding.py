@@ -19,7 +19,7 @@ def action(force, rate):
 
 
 def found(workshop, action, drops, physics="viscous_damping"):
-    rival = SimpleNamespace(proposal=Proposal(physics, "linear", {"joint": "front"}, None, (), {}))
+    rival = SimpleNamespace(proposal=Proposal(physics, "linear", {"joint": "front"}, None, (), {}), place="joint front")
     return make_finding(rival, workshop.hypotheses[physics], {}, 0.9, [], action, drops, 0.2)
 
 
@@ -82,7 +82,7 @@ def test_estimates_bear_the_short_names_of_the_parameters():
     table = xr.Dataset(
         {"value": ("parameter", [1.0, 2.0, 3.0]), "std": ("parameter", [0.1, 0.2, 0.3])}, coords={"parameter": names}
     )
-    rival = SimpleNamespace(proposal=Proposal("peak_load", "bump", {}, None, tuple(names[1:]), {}))
+    rival = SimpleNamespace(proposal=Proposal("peak_load", "bump", {}, None, tuple(names[1:]), {}), place="")
     told = estimates(rival, Identification(table, Status.CONVERGED, 0.0), {names[1]: "N", names[2]: "m"})
     assert {name: (e.value, e.std, e.units) for name, e in told.items()} == {
         "peak_force": (2.0, 0.2, "N"),

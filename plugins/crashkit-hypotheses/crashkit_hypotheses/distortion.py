@@ -9,10 +9,11 @@ from scipy.constants import g
 
 from crashkit.model import Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.accused import Accused, accused, fault
-from crashkit_hypotheses.build import grid
+from crashkit_hypotheses.build import Effect, grid
 from crashkit_hypotheses.ringing import HIGHEST, LOWEST, ringing_frequencies
-from crashkit_hypotheses.rotation import ERRORS, TURNS, longest, rocking
+from crashkit_hypotheses.rocking import ERRORS, TURNS, rocking
+from crashkit_hypotheses.sensors import Sensor, faulty, sensors_with
+from crashkit_hypotheses.sizes import duration
 
 UNCLIPPED = 1e4
 """Limit, in largest readings, that no motion reaches, and towards which none bends."""
@@ -42,17 +43,19 @@ class Saturation(Hypothesis):
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every sensor that can clip, at about its largest reading: what clips reads no more than its limit and noise."""
         return [
-            self._clipped(model, one, form, error)
+            self._clipped(model, sensor, form, error)
             for form, error in LIMITS.items()
-            for one in accused(model, recordings, [error])
-            if one.largest > 0.0
+            for sensor in sensors_with([error], model, recordings)
+            if sensor.largest > 0.0
         ]
 
-    def _clipped(self, model: Model, one: Accused, form: str, error: str) -> Proposal:
-        never = UNCLIPPED * one.largest
-        limit = {error: Parameter(one.largest, 0.3 * one.largest, never)} | (KNEE if form == "knee" else {})
-        starts = grid(**{error: (0.93 * one.largest,)})
-        return evolve(fault(self.physics, form, model, one, limit, error, starts, never), refined=form == "knee")
+    def _clipped(self, model: Model, sensor: Sensor, form: str, error: str) -> Proposal:
+        never = UNCLIPPED * sensor.largest
+        limit = {error: Parameter(sensor.largest, 0.3 * sensor.largest, never)} | (KNEE if form == "knee" else {})
+        starts = grid(**{error: (0.93 * sensor.largest,)})
+        clipped = faulty(model, sensor, Effect(self.physics, form, "", limit, error, starts))
+        # The limit's own null, infinity, is no value that a search could pass.
+        return evolve(clipped, null=dict.fromkeys(clipped.null, never), refined=form == "knee")
 
 
 class MountingResonance(Hypothesis):
@@ -67,23 +70,24 @@ class MountingResonance(Hypothesis):
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every sensor that can ring, at the frequencies at which its readings differ most from the motion."""
-        errors = ["resonance_share", "resonance_frequency", "resonance_damping"]
-        sensors = accused(model, recordings, errors)
-        return [form for one in sensors for form in self._forms(model, one, ringing_frequencies(one, motion, recordings))]
+        sensors = sensors_with(["resonance_share", "resonance_frequency", "resonance_damping"], model, recordings)
+        return [
+            form for sensor in sensors for form in self._forms(model, sensor, ringing_frequencies(sensor, motion, recordings))
+        ]
 
-    def _forms(self, model: Model, one: Accused, frequencies: Sequence[float]) -> list[Proposal]:
+    def _forms(self, model: Model, sensor: Sensor, frequencies: Sequence[float]) -> list[Proposal]:
         mount = {
             "resonance_share": Parameter(0.0, 0.0, 1.0),
             "resonance_frequency": Parameter(frequencies[0], 0.5 * LOWEST, 2.0 * HIGHEST),
             "resonance_damping": Parameter(0.05, 5e-3, 0.7),
         }
+        # One that is damped more does not ring: it delays, as a clock that is late does in one number.
+        element = {"resonance_damping": Parameter(0.05, 5e-3, 0.3), "resonance_path": Parameter(0.0, fixed=True)}
         starts = grid(resonance_frequency=frequencies)
-        forms = {"oscillator": mount}
-        if "resonance_path" in one.null:
-            # One that is damped more does not ring: it delays, as a clock that is late does in one number.
-            element = {"resonance_damping": Parameter(0.05, 5e-3, 0.3), "resonance_path": Parameter(0.0, fixed=True)}
-            forms["element"] = mount | element
-        return [fault(self.physics, form, model, one, own, "resonance_share", starts) for form, own in forms.items()]
+        oscillator = Effect(self.physics, "oscillator", "", mount, "resonance_share", starts)
+        forms = [oscillator, evolve(oscillator, form="element", parameters=mount | element)]
+        known = forms if "resonance_path" in sensor.null else forms[:1]
+        return [faulty(model, sensor, form) for form in known]
 
 
 class Misalignment(Hypothesis):
@@ -101,25 +105,25 @@ class Misalignment(Hypothesis):
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every sensor with several axes: tilted, and with transverse sensitivity; on a line, those that can lean."""
         if len(model.axes) == 1:
-            sensors = accused(model, recordings, ["lean", "bias", *ERRORS])
-            heaving = [self._heaving(model, one, longest(motion)) for one in sensors] if motion else []
-            return [*(self._leaning(model, one) for one in sensors), *heaving]
+            sensors = sensors_with(["lean", "bias", *ERRORS], model, recordings)
+            heaving = [self._heaving(model, sensor, duration(motion)) for sensor in sensors] if motion else []
+            return [*(self._leaning(model, sensor) for sensor in sensors), *heaving]
         tilts = [f"tilt_{axis}" for axis in _turning_axes(model)]
         shares = [f"transverse_{axis}" for axis in model.axes]
-        return [
-            fault(self.physics, form, model, one, dict.fromkeys(errors, Parameter(0.0, -0.5, 0.5)), errors[0])
-            for form, errors in (("tilt", tilts), ("transverse", shares))
-            for one in accused(model, recordings, errors)
-            if len(one.axes) > 1
-        ]
+        return [*self._tilted(model, recordings, "tilt", tilts), *self._tilted(model, recordings, "transverse", shares)]
 
-    def _leaning(self, model: Model, one: Accused) -> Proposal:
-        return fault(self.physics, "lean", model, one, LEANING, "lean", grid(lean=LEANS))
+    def _leaning(self, model: Model, sensor: Sensor) -> Proposal:
+        return faulty(model, sensor, Effect(self.physics, "lean", "", LEANING, "lean", grid(lean=LEANS)))
 
-    def _heaving(self, model: Model, one: Accused, duration: float) -> Proposal:
-        errors = rocking(duration) | LEANING
-        starts = grid(rocking_frequency=[turns / duration for turns in TURNS])
-        return fault(self.physics, "lean, heaving", model, one, errors, "rocking_share", starts)
+    def _heaving(self, model: Model, sensor: Sensor, longest: float) -> Proposal:
+        errors = rocking(longest) | LEANING
+        starts = grid(rocking_frequency=[turns / longest for turns in TURNS])
+        return faulty(model, sensor, Effect(self.physics, "lean, heaving", "", errors, "rocking_share", starts))
+
+    def _tilted(self, model: Model, recordings: Sequence[xr.DataTree], form: str, errors: Sequence[str]) -> list[Proposal]:
+        tilt = Effect(self.physics, form, "", dict.fromkeys(errors, Parameter(0.0, -0.5, 0.5)), errors[0])
+        sensors = sensors_with(errors, model, recordings)
+        return [faulty(model, sensor, tilt) for sensor in sensors if len(sensor.axes) > 1]
 
 
 def _turning_axes(model: Model) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Which sensors the recordings hold, what can be wrong with them, and how a model looks that says so."""
+"""Which sensors the recordings hold, which errors they can have, and how a model looks with these."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -14,20 +14,21 @@ from crashkit_hypotheses.build import Effect, proposal
 
 
 @frozen
-class Accused:
-    """A sensor, or (`sensor` empty) a whole instrument, that can have some errors.
+class Sensor:
+    """A sensor, or a whole instrument, that can have some errors.
 
     Attributes:
-        instrument, sensor: names.
+        instrument: its name.
+        name: of the sensor; empty for a whole instrument.
         axes: of the instrument.
         null: of each error.
         largest: reading, over all recordings.
         body: that carries the sensor; empty for an instrument.
-        axis: the only one of its channels that is accused; empty: all.
+        axis: the only one of its channels that has the errors; empty: all.
     """
 
     instrument: str
-    sensor: str
+    name: str
     axes: tuple[str, ...]
     null: Mapping[str, float]
     largest: float
@@ -37,7 +38,7 @@ class Accused:
     @property
     def channels(self) -> str:
         """As a model names what has the errors."""
-        return f"{self.sensor}/{self.axis}" if self.axis else self.sensor
+        return f"{self.name}/{self.axis}" if self.axis else self.name
 
     @property
     def prefix(self) -> str:
@@ -47,47 +48,39 @@ class Accused:
     @property
     def place(self) -> dict[str, object]:
         """As a location."""
-        return {"sensor": self.sensor, "instrument": self.instrument} if self.sensor else {"instrument": self.instrument}
+        return {"sensor": self.name, "instrument": self.instrument} if self.name else {"instrument": self.instrument}
 
 
-def accused(model: Model, recordings: Sequence[xr.DataTree], errors: Sequence[str]) -> list[Accused]:
+def sensors_with(errors: Sequence[str], model: Model, recordings: Sequence[xr.DataTree]) -> list[Sensor]:
     """Every sensor (or instrument) whose Observer knows these errors, and none of which is identified already."""
     known = model.parameters()
-    largest: dict[str, Accused] = {}
-    for one in (one for recording in recordings for one in _of_recording(recording, errors)):
-        before = largest.get(one.prefix)
-        if (before is None or before.largest < one.largest) and not any(one.prefix + name in known for name in errors):
-            largest[one.prefix] = one
+    largest: dict[str, Sensor] = {}
+    for sensor in (sensor for recording in recordings for sensor in _of_recording(recording, errors)):
+        before = largest.get(sensor.prefix)
+        identified = any(sensor.prefix + name in known for name in errors)
+        if not identified and (before is None or before.largest < sensor.largest):
+            largest[sensor.prefix] = sensor
     return list(largest.values())
 
 
-def each_channel(
-    physics: str, form: str, model: Model, one: Accused, parameters: Mapping[str, Parameter], amplitude: str
-) -> list[Proposal]:
+def faulty(model: Model, sensor: Sensor, effect: Effect) -> Proposal:
+    """The model with errors of a sensor; at the amplitude's null, which its Observer tells, the sensor is right."""
+    for name, error in effect.parameters.items():
+        if isinstance(error, Parameter):
+            model = with_instrument_error(model, sensor.instrument, sensor.channels, name, error)
+    return proposal(model, sensor.place, sensor.prefix, evolve(effect, null=sensor.null[effect.amplitude]))
+
+
+def faulty_channels(model: Model, sensor: Sensor, effect: Effect) -> list[Proposal]:
     """These errors of all channels of a sensor, and where it has several, of each alone."""
-    alone = [evolve(one, axis=axis) for axis in one.axes] if len(one.axes) > 1 else []
-    whole = fault(physics, form, model, one, parameters, amplitude)
-    return [whole, *(fault(physics, f"{form}, {its.axis} only", model, its, parameters, amplitude) for its in alone)]
+    alone = sensor.axes if len(sensor.axes) > 1 else ()
+    return [
+        faulty(model, sensor, effect),
+        *(faulty(model, evolve(sensor, axis=axis), evolve(effect, form=f"{effect.form}, {axis} only")) for axis in alone),
+    ]
 
 
-def fault(
-    physics: str,
-    form: str,
-    model: Model,
-    one: Accused,
-    parameters: Mapping[str, Parameter],
-    amplitude: str,
-    starts: Sequence[Mapping[str, float]] = ({},),
-    null: float | None = None,
-) -> Proposal:
-    """The model with these errors of a sensor; without the first of them the sensor is right."""
-    for name, parameter in parameters.items():
-        model = with_instrument_error(model, one.instrument, one.channels, name, parameter)
-    absent = one.null[amplitude] if null is None else null
-    return proposal(model, one.place, one.prefix, Effect(physics, form, "", parameters, amplitude, starts, absent))
-
-
-def _of_recording(recording: xr.DataTree, errors: Sequence[str]) -> Iterator[Accused]:
+def _of_recording(recording: xr.DataTree, errors: Sequence[str]) -> Iterator[Sensor]:
     observers = load().observers
     for name, group in recording.children.items():
         observer = observers.get(str(group.attrs.get("observer")))
@@ -97,11 +90,11 @@ def _of_recording(recording: xr.DataTree, errors: Sequence[str]) -> Iterator[Acc
         instrument = group.to_dataset(inherit=False)
         axes = tuple(instrument["axis"].values.tolist()) if "axis" in instrument.coords else ()
         if errors[0] in observer.instrument_errors:
-            yield Accused(name, "", axes, null, 0.0)
+            yield Sensor(name, "", axes, null, 0.0)
         else:
             bodies = instrument[f"{observer.channel}_body"].values.tolist()
             peaks = _largest(observer, instrument).items()
-            yield from (Accused(name, s, axes, null, peak, body) for (s, peak), body in zip(peaks, bodies, strict=True))
+            yield from (Sensor(name, s, axes, null, peak, body) for (s, peak), body in zip(peaks, bodies, strict=True))
 
 
 def _largest(observer: type[Observer], instrument: xr.Dataset) -> dict[str, float]:
