@@ -1,5 +1,6 @@
 """The repository holds together: what is written in two places is the same in both."""
 
+import re
 import tomllib
 from pathlib import Path
 
@@ -27,6 +28,13 @@ def test_a_plugin_is_named_alike_everywhere(folder):
     assert plugin["name"] == folder.name
     assert plugin["entry-points"]["crashkit"] == {folder.name: f"{package}.hooks"}
     assert (folder / package / "hooks.py").is_file()
+
+
+def test_every_file_of_the_diagnosis_has_its_idea_in_the_table():
+    package = CHECKOUT / "crashkit" / "diagnose"
+    files = {str(path.relative_to(package)) for path in package.rglob("*.py") if path.name != "__init__.py"}
+    table = (CHECKOUT / "docs" / "design" / "diagnosis.md").read_text()
+    assert set(re.findall(r"^\| `([\w/]+\.py)` \|", table, re.MULTILINE)) == files
 
 
 def test_the_readme_shows_the_command_that_ci_runs():

@@ -2,21 +2,20 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from functools import partial
 
-import numpy as np
 import xarray as xr
 from attrs import evolve
 
 from crashkit.campaign import one_thread
-from crashkit.diagnose.fitting.contest import Progress
-from crashkit.diagnose.fitting.evidence import STRAINED, UNEXPLAINED, is_at_noise
+from crashkit.diagnose.claims import Progress
+from crashkit.diagnose.fitting.evidence import is_strained
 from crashkit.diagnose.fitting.in_time import TimeLimit, in_time
 from crashkit.diagnose.fitting.reidentify import refine, reidentify
 from crashkit.diagnose.fitting.search import STEPS, Search, begin
 from crashkit.diagnose.fitting.sharpen import ROUGHLY, OutrunError, in_the_light_of, sharpened, weighed_alike
 from crashkit.diagnose.fitting.thinning import thinned_by
-from crashkit.diagnose.fitting.thresholds import awake, wakened
+from crashkit.diagnose.fitting.thresholds import awake
+from crashkit.diagnose.holdout import fitted_together, is_contradicted, leading_looks
 from crashkit.diagnose.name.discover import discover
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.inquiry import Inquiry
@@ -26,14 +25,10 @@ from crashkit.diagnose.name.rivals import CONCEALED
 from crashkit.diagnose.name.twins import beside_twins
 from crashkit.diagnose.result import Diagnosis
 from crashkit.diagnose.show.answer import answer
-from crashkit.diagnose.show.fits import fit_of, predict
 from crashkit.diagnose.show.words import cut_short, nothing_predicted
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit, fine_step
 from crashkit.model import Model
-
-PLAIN = 0.9
-"""Probability of a finding from which no other claim need be asked for in its place."""
 
 
 @one_thread
@@ -59,9 +54,9 @@ def diagnose(
     limit = TimeLimit(seconds, progress)
     rehearsed = workshop.rehearsed(model, [*recordings.values(), *holdout.values()])
     equipped, discovery = _discovered_in(rehearsed, model, recordings, limit)
-    together = None if limit.is_over else _fitted_together(equipped, discovery, model, recordings, holdout)
-    if together is not None and _is_contradicted(discovery, together):
-        looks = _leading(discovery)
+    together = None if limit.is_over else fitted_together(equipped, discovery, model, recordings, holdout)
+    if together is not None and is_contradicted(discovery, together):
+        looks = leading_looks(discovery)
         again, asked_again = _discovered_in(rehearsed, model, {**recordings, **holdout}, limit, looks)
         if not limit.is_over:
             return nothing_predicted(answer(again, asked_again, model, {}), tuple(holdout))
@@ -87,8 +82,8 @@ def _discovered_in(
     equipped = evolve(equipped, step=fine_step(given))
     given = given.with_step(equipped.step)
     base = reidentify(equipped, given)
-    # Numbers far from what the user gave make up for physics: what they ask of the rate, the structure does not.
-    if base.misfit.departure(base.point) <= STRAINED:
+    # What strained numbers ask of the rate, the structure does not.
+    if not is_strained(base):
         base = sharpened(equipped, model, recordings, base)
     discovery = _discovered_at_pace(equipped, model, recordings, awake(equipped, given, base), base, looks, progress)
     progress.show("refining", 0.0)
@@ -106,7 +101,7 @@ def _discovered_at_pace(
     progress: TimeLimit,
 ) -> Discovery:
     """What is found in time; where that outruns the recordings as they were thinned, by finer ones."""
-    nothing = Discovery(base.fitted(), base.fitted(), base)
+    nothing = Discovery.of(base, base)
     at_pace = Inquiry(evolve(workshop, recorded=recordings), base.misfit.with_values_of(given), base, progress)
     try:
         return in_time(nothing, discover, at_pace, looks)
@@ -115,48 +110,9 @@ def _discovered_at_pace(
     thin = in_the_light_of(workshop, model, recordings, found.search.fitted())
     base = begin(workshop.identifier, thin.with_values(base.values)).advance(STEPS)
     alone = Look((found,), (1.0,), 0.0, base.fitted())
-    so_far = Discovery(base.fitted(), found.search.fitted(), found.search, (alone,))
+    so_far = Discovery.of(base, found.search, (alone,))
     finer = Inquiry(workshop, base.misfit.with_values_of(given), base, progress)
     return in_time(so_far, discover, finer, (alone,))
-
-
-def _fitted_together(
-    workshop: Workshop,
-    discovery: Discovery,
-    model: Model,
-    recordings: Mapping[str, xr.DataTree],
-    holdout: Mapping[str, xr.DataTree],
-) -> Search | None:
-    """What explains the fitted runs, fitted to those held out as well. None where these are predicted, or those not explained.
-
-    A prediction may be off because the fitted runs do not tell a number, or because a form is off that leaves something in
-    them too: neither says that anything else is missing.
-    """
-    if not holdout:
-        return None
-    final = discovery.final
-    workshop = workshop.equipped([final.model])
-    unseen = weighed_alike(workshop.first_misfit(final.model, holdout), final)
-    normalised = partial(_normalised, told_only=bool(discovery.findings))
-    if normalised(final) > UNEXPLAINED or normalised(unseen) < UNEXPLAINED:
-        return None
-    both = in_the_light_of(workshop, model, {**recordings, **holdout}, final)
-    return wakened(workshop, refine(workshop.identifier, workshop.misfit(both, final.model)))
-
-
-def _is_contradicted(discovery: Discovery, together: Search) -> bool:
-    """Whether no values of what was found explain all runs. Where nothing was found there is no form that may be off, and more
-    than chance leaves says that something is missing. Of a finding, only channels whose noise is told are witnesses."""
-    if not discovery.findings:
-        return not is_at_noise(together)
-    return _normalised(together.fitted(), told_only=True) > UNEXPLAINED
-
-
-def _normalised(misfit: Misfit, told_only: bool) -> float:
-    """Residual over noise at the misfit's own values, of all channels or of those whose noise is told; 0 if there are none."""
-    channels = fit_of(misfit, predict(misfit)).channels
-    counts = channels["independent_samples"].values * [one.noise.trusted or not told_only for one in misfit.channels]
-    return float(np.sqrt(np.sum(channels["normalised_rmse"].values ** 2 * counts) / max(counts.sum(), 1e-9)))
 
 
 def _refined(workshop: Workshop, discovery: Discovery, model: Model, recordings: Mapping[str, xr.DataTree]) -> Discovery:
@@ -186,13 +142,6 @@ def _unexplained(workshop: Workshop, misfit: Misfit) -> Search:
     as little as a finding does."""
     search = begin(workshop.identifier, misfit).advance(STEPS)
     return search if search.normalised > CONCEALED else refine(workshop.identifier, misfit)
-
-
-def _leading(discovery: Discovery) -> Sequence[Look]:
-    """The looks that a held-out run which contradicts a discovery should be asked for first: its only one, or all where each
-    finding was plain."""
-    looks = discovery.findings or ((discovery.last,) if discovery.last else ())
-    return looks if len(looks) == 1 or all(look.probabilities[0] > PLAIN for look in looks) else ()
 
 
 def _is_worthless(findings: Sequence[Look], base: Misfit, final: Misfit) -> bool:

@@ -1,52 +1,25 @@
 """From many claims to the few that fit: a score for all, a quick search for the promising, long ones for those ahead."""
 
 import math
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import TypeVar
 
 from crashkit.campaign import spread
+from crashkit.diagnose.claims import Progress, Start, first_of_each, identity
 from crashkit.diagnose.fitting.quadratic import Extended, tangent
 from crashkit.diagnose.fitting.score import Score, score
 from crashkit.diagnose.fitting.search import Search, advance_all, begin, begin_all, weighed
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.workshop import Workshop
-from crashkit.errors import SimulationError
 from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
 
-Found = TypeVar("Found")
-Progress = Callable[[str, float], None]
-Start = tuple[Proposal, Mapping[str, float]]
-"""A proposal, and values by path to begin at."""
 Entrant = tuple[Proposal, Search]
 
 GROWING = (1 / 3, 2 / 3, 1.0)
 """Shares of the time recorded that are looked at one after the other where a search begins far from the recordings."""
 SCOUTING = 5
 """Steps of a quick search in each."""
-
-
-def identity(proposal: Proposal) -> tuple[str, str]:
-    """What a proposal claims, whatever its form: the physics and the place."""
-    return proposal.physics, place_of(proposal.location)
-
-
-def is_same(first: Proposal, second: Proposal) -> bool:
-    """Whether two proposals, perhaps built on different models, claim the same in the same form."""
-    return identity(first) == identity(second) and first.form == second.form
-
-
-def propose_all(workshop: Workshop, base: Misfit) -> list[Proposal]:
-    """Every hypothesis at every place of the model, in every form that can be fitted; none where it cannot be simulated, as
-    with numbers that only the equations of motion have led."""
-    values = {name: parameter.value for name, parameter in base.model.free_parameters().items()}
-    try:
-        motions = [base.predictor.motion(run, values) for run in base.recordings]
-    except SimulationError:
-        return []
-    return workshop.proposals(base.model, motions, list(base.recordings.values()))
 
 
 def scores(
@@ -118,24 +91,6 @@ def _scout(
         search = begin(workshop.identifier, misfit).advance(SCOUTING)
         values = misfit.values(search.point)
     return values, search.state.cost
-
-
-def form_of(proposal: Proposal) -> tuple[str, ...]:
-    """What a proposal claims, and in which form."""
-    return *identity(proposal), proposal.form
-
-
-def first_of_each(
-    ranked: Sequence[tuple[Proposal, Found]], most: int, kind: Callable[[Proposal], tuple[str, ...]] = form_of
-) -> list[tuple[Proposal, Found]]:
-    """The best few of each claim in each form, or of another kind."""
-    seen: Counter[tuple[str, ...]] = Counter()
-    chosen = []
-    for one in ranked:
-        seen[kind(one[0])] += 1
-        if seen[kind(one[0])] <= most:
-            chosen.append(one)
-    return chosen
 
 
 def heats(entrants: Sequence[Entrant], sizes: Sequence[tuple[int, int]], progress: Progress) -> list[Entrant]:

@@ -5,7 +5,8 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from attrs import evolve, frozen
 
-from crashkit.diagnose.fitting.contest import Entrant, identity
+from crashkit.diagnose.claims import identity
+from crashkit.diagnose.fitting.contest import Entrant
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.protocols import Proposal
@@ -146,4 +147,9 @@ def explains(search: Search) -> bool:
 def is_sound(search: Search) -> bool:
     """Whether the noise is told, and no number had to be strained for the fit."""
     told = all(channel.noise.trusted for channel in search.misfit.channels)
-    return told and bool(search.misfit.departure(search.point) < STRAINED)
+    return told and not is_strained(search)
+
+
+def is_strained(search: Search) -> bool:
+    """Whether the model's own numbers are so far from what the user gave that they may make up for physics."""
+    return bool(search.misfit.departure(search.point) >= STRAINED)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from time import monotonic
 from typing import ParamSpec, TypeVar
 
-from crashkit.diagnose.fitting.contest import Progress
+from crashkit.diagnose.claims import Progress
 
 Answer = TypeVar("Answer")
 Otherwise = TypeVar("Otherwise")

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from crashkit.diagnose.fitting.contest import is_same, propose_all
+from crashkit.diagnose.claims import is_same, propose_all
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import STEPS, Search, advance_all, begin, begin_all
 from crashkit.diagnose.workshop import Workshop

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from crashkit.campaign import spread
-from crashkit.diagnose.fitting.contest import Entrant, Progress, first_of_each, heats
+from crashkit.diagnose.claims import Progress, first_of_each
+from crashkit.diagnose.fitting.contest import Entrant, heats
 from crashkit.diagnose.fitting.continuation import grown
 from crashkit.diagnose.fitting.evidence import explains
 from crashkit.diagnose.fitting.search import Search, advance_all, begin_all

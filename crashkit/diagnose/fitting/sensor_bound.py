@@ -5,7 +5,7 @@ from functools import partial
 from typing import Any
 
 from crashkit.campaign import spread
-from crashkit.diagnose.fitting.contest import Start
+from crashkit.diagnose.claims import Start
 from crashkit.diagnose.fitting.search import begin
 from crashkit.misfit import Misfit
 from crashkit.protocols import Identifier, Proposal

@@ -6,7 +6,7 @@ import numpy as np
 from attrs import frozen
 
 from crashkit.campaign import spread
-from crashkit.diagnose.fitting.contest import propose_all
+from crashkit.diagnose.claims import propose_all
 from crashkit.diagnose.result import place_of
 from crashkit.diagnose.workshop import Workshop
 from crashkit.errors import CrashkitError

@@ -47,7 +47,7 @@ def _in_other_forms(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery | None
         return None
     findings = [_with_all_runs(inquiry, look, claims, search) for look in looks]
     findings, search = in_best_forms(inquiry, findings, search)
-    return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(findings)) if explains(search) else None
+    return Discovery.of(inquiry.base, search, tuple(findings)) if explains(search) else None
 
 
 def _with_all_runs(inquiry: Inquiry, look: Look, claims: Sequence[Rival], search: Search) -> Look:
@@ -84,7 +84,7 @@ def named_nevertheless(inquiry: Inquiry, looks: Sequence[Look], found: Discovery
     if not ranked or ranked[0].search.normalised > CONCEALED:
         return found
     told = ranked[0].search
-    return Discovery(inquiry.base.fitted(), told.fitted(), told, (led(_told(inquiry, [*ranked, estimate])),))
+    return Discovery.of(inquiry.base, told, (led(_told(inquiry, [*ranked, estimate])),))
 
 
 def _ranked(inquiry: Inquiry, rivals: Sequence[Rival]) -> list[Rival]:

@@ -5,7 +5,7 @@ from functools import partial
 
 from attrs import evolve
 
-from crashkit.diagnose.fitting.contest import propose_all
+from crashkit.diagnose.claims import propose_all
 from crashkit.diagnose.fitting.evidence import FLOOR, explains, probabilities, ranked_by_evidence
 from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.reidentify import reidentify
@@ -76,7 +76,7 @@ def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | Non
         waiting = tuple(one for one in still if one is not None)
         findings.append(in_time(look, settled, unbent, look, look.winner, found))
         search = findings[-1].leader.search
-    return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(findings))
+    return Discovery.of(inquiry.base, search, tuple(findings))
 
 
 def _concern(waiting: Sequence[Suspect], proposal: Proposal, model: Model) -> bool:

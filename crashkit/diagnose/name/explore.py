@@ -4,11 +4,11 @@ from attrs import evolve
 
 from crashkit.diagnose.fitting.evidence import (
     FLOOR,
-    STRAINED,
     UNEXPLAINED,
     Rival,
     explains,
     is_sound,
+    is_strained,
     ranked_by_evidence,
     rival_of,
 )
@@ -96,12 +96,12 @@ def beside_reading(inquiry: Inquiry, reading: Look) -> Discovery:
         if told is not reading:
             reading, put_right, near = told, _with_reading_right(inquiry, told), None
     search = put_right.base
-    structure = in_time(Discovery(search.fitted(), search.fitted(), search), explored, put_right, near)
+    structure = in_time(Discovery.of(search, search), explored, put_right, near)
     findings, search = [reading, *structure.findings], structure.search
     findings, search = in_time((findings, search), in_best_forms, inquiry, findings, search)
     if structure.findings:
         findings, search = in_time((findings, search), reconsidered, inquiry, findings, search)
-    return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(findings), structure.last)
+    return Discovery.of(inquiry.base, search, tuple(findings), structure.last)
 
 
 def _near(inquiry: Inquiry) -> Look:
@@ -140,7 +140,7 @@ def _suffices(found: Discovery, base: Search) -> bool:
     is_little = search.normalised < UNEXPLAINED and search.excess < FORM_ERRORS[1] * base.excess
     is_all = found.last is not None and len(found.findings) == 2 and not is_estimated(found.findings)
     is_enough = leave_a_trace(found.findings, search, base) or (is_all and is_little)
-    return is_enough and search.misfit.departure(search.point) < STRAINED
+    return is_enough and not is_strained(search)
 
 
 def _cheaper(near: Discovery, wide: Discovery) -> Discovery:
@@ -176,8 +176,8 @@ def _where_it_acts(inquiry: Inquiry, found: Discovery) -> Discovery:
 def _won(base: Search, look: Look) -> Discovery:
     """What a single look says."""
     if look.winner is None:
-        return Discovery(base.fitted(), base.fitted(), base, (), look)
-    return Discovery(base.fitted(), look.winner.search.fitted(), look.winner.search, (look,))
+        return Discovery.of(base, base, (), look)
+    return Discovery.of(base, look.winner.search, (look,))
 
 
 def _found_widely(inquiry: Inquiry, nearby: Nearby) -> Discovery:

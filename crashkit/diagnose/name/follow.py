@@ -54,6 +54,11 @@ class Discovery:
     last: Look | None = None
     pointer: Pointer | None = None
 
+    @classmethod
+    def of(cls, base: Search, search: Search, findings: tuple[Look, ...] = (), last: Look | None = None) -> "Discovery":
+        """What was found, where the fits of the given and of the augmented model end."""
+        return cls(base.fitted(), search.fitted(), search, findings, last)
+
     @property
     def leaves_structure(self) -> bool:
         """Whether findings about the structure alone plainly leave something: along the measured motion there is more to ask.
@@ -86,7 +91,7 @@ def followed(inquiry: Inquiry, begun: Sequence[Look], look: Look, near: Look | N
     if len(findings) > 1 and not leave_a_trace(findings, search, inquiry.base):
         findings, search = in_time((findings, search), _questioned, inquiry, findings, search, look)
     last = look if look.winner is None else None
-    return Discovery(inquiry.base.fitted(), search.fitted(), search, tuple(findings), last), look
+    return Discovery.of(inquiry.base, search, tuple(findings), last), look
 
 
 def _look_beside(inquiry: Inquiry, search: Search, findings: Sequence[Look], near: Look | None) -> Look:

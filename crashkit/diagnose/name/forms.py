@@ -7,8 +7,9 @@ import numpy as np
 from attrs import evolve
 
 from crashkit.campaign import spread
+from crashkit.diagnose.claims import Start, first_of_each, identity, propose_all
 from crashkit.diagnose.fitting.back_to_given import begun_from_given
-from crashkit.diagnose.fitting.contest import Entrant, Start, first_of_each, identity, priced, propose_all
+from crashkit.diagnose.fitting.contest import Entrant, priced
 from crashkit.diagnose.fitting.evidence import Rival, explains, is_unknown, ranked_by_evidence, rival_of
 from crashkit.diagnose.fitting.search import Search, advance_all, begin, begin_all, weighed
 from crashkit.diagnose.name.force_matching import most_alike

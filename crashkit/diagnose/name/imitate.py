@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from functools import partial
 
 from crashkit.campaign import spread
-from crashkit.diagnose.fitting.contest import Entrant, first_of_each, heats, identity, priced, propose_all
+from crashkit.diagnose.claims import first_of_each, identity, propose_all
+from crashkit.diagnose.fitting.contest import Entrant, heats, priced
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin_all
 from crashkit.diagnose.name.forms import along, with_form

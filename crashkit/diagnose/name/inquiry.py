@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from attrs import frozen
 
-from crashkit.diagnose.fitting.contest import Progress
+from crashkit.diagnose.claims import Progress
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.rebuild import rebuild
 from crashkit.diagnose.fitting.search import Search

@@ -2,7 +2,7 @@
 
 from attrs import evolve
 
-from crashkit.diagnose.fitting.contest import propose_all
+from crashkit.diagnose.claims import propose_all
 from crashkit.diagnose.fitting.evidence import FAR_LESS, Rival, best_forms, ranked_by_evidence
 from crashkit.diagnose.fitting.regress import opened, regressed
 from crashkit.diagnose.name.follow import Discovery

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 from attrs import evolve, field, frozen
 
-from crashkit.diagnose.fitting.contest import identity, propose_all
+from crashkit.diagnose.claims import identity, propose_all
 from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import UNEXPLAINED, Rival, best_forms, explains, probabilities
 from crashkit.diagnose.name.inquiry import Inquiry

@@ -61,15 +61,3 @@ def _before(workshop: Workshop, look: Look, without: Search) -> Misfit:
 def price(proposal: Proposal, misfit: Misfit) -> float:
     """Chi squared that a finding must explain to be worth its parameters, as the evidence counts them (Schwarz 1978)."""
     return max(LEAST_DROP, len(proposal.parameters) * float(np.log(misfit.independent_samples)))
-
-
-def run_drops(before: Misfit, after: Misfit) -> dict[str, float]:
-    """By how much chi squared drops in each run, weighed as before."""
-    alike = [misfit.channel_sums(misfit.residual(misfit.start())) * _levels(misfit) ** 2 for misfit in (before, after)]
-    drops = (alike[0] - alike[1]) / _levels(before) ** 2
-    runs = [channel.run for channel in before.channels]
-    return {run: float(np.sum(drops[[r == run for r in runs]])) for run in before.recordings}
-
-
-def _levels(misfit: Misfit) -> np.ndarray:
-    return np.array([channel.noise.std for channel in misfit.channels])

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 from attrs import evolve
 
-from crashkit.diagnose.fitting.contest import identity
+from crashkit.diagnose.claims import identity
 from crashkit.diagnose.fitting.evidence import (
     FLOOR,
     Rival,

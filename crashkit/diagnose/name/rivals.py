@@ -5,20 +5,10 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 from attrs import frozen
 
-from crashkit.diagnose.fitting.contest import (
-    GROWING,
-    Entrant,
-    Progress,
-    Start,
-    heats,
-    identity,
-    is_same,
-    promising,
-    scores,
-    scouted,
-)
+from crashkit.diagnose.claims import Progress, Start, identity, is_same
+from crashkit.diagnose.fitting.contest import GROWING, Entrant, heats, promising, scores, scouted
 from crashkit.diagnose.fitting.couples import Couple, coupled
-from crashkit.diagnose.fitting.evidence import FLOOR, STRAINED, Rival, explains, ranked_by_evidence
+from crashkit.diagnose.fitting.evidence import FLOOR, STRAINED, Rival, explains, is_strained, ranked_by_evidence
 from crashkit.diagnose.fitting.regress import opened, regressed
 from crashkit.diagnose.fitting.reidentify import scattered, understood
 from crashkit.diagnose.fitting.score import Score
@@ -171,7 +161,7 @@ def _from_given(
     ends = opened(workshop, given, proposals, progress)
     found = regressed(workshop, given, proposals, ends, progress)
     known = [search for proposal, search in found if proposal.physics != UNKNOWN]
-    if any(search.normalised <= FLOOR and search.misfit.departure(search.point) < STRAINED for search in known):
+    if any(search.normalised <= FLOOR and not is_strained(search) for search in known):
         return found, []
     couples = coupled(workshop, given, proposals, ends, progress)
     if couples and couples[0].search.excess < COUPLED * min((one.excess for _, one in found), default=np.inf):

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 from attrs import evolve
 
-from crashkit.diagnose.fitting.contest import heats, is_same
+from crashkit.diagnose.claims import is_same
+from crashkit.diagnose.fitting.contest import heats
 from crashkit.diagnose.fitting.evidence import FLOOR, Rival, best_forms, by_evidence, explains, is_unknown, ranked_by_evidence
 from crashkit.diagnose.fitting.search import begin_all
 from crashkit.diagnose.name.forms import in_all_forms

@@ -2,9 +2,10 @@
 
 from attrs import evolve
 
-from crashkit.diagnose.fitting.contest import heats, is_same
+from crashkit.diagnose.claims import is_same
+from crashkit.diagnose.fitting.contest import heats, priced
 from crashkit.diagnose.fitting.couples import Couple
-from crashkit.diagnose.fitting.evidence import Rival, is_unknown, price_of
+from crashkit.diagnose.fitting.evidence import Rival, is_unknown
 from crashkit.diagnose.fitting.search import begin_all
 from crashkit.diagnose.name.follow import TIE, Discovery
 from crashkit.diagnose.name.forms import with_form
@@ -31,7 +32,7 @@ def in_fewer_numbers(inquiry: Inquiry, found: Discovery) -> Discovery:
     if len(look.leader.proposal.parameters) < MANY:
         return found
     couple = _best_couple(inquiry, look)
-    if couple is None or couple.cost > _cost_of(look.leader) - 0.5 * TIE:
+    if couple is None or couple.cost > priced((look.leader.proposal, look.leader.search)) - 0.5 * TIE:
         return found
     two = both(inquiry, evolve(look, couples=(couple,)))
     if two is None or two[0].winner is None:
@@ -56,8 +57,3 @@ def _couples_with(inquiry: Inquiry, first: Rival, plain: list[Rival]) -> list[Co
     searches = begin_all(workshop.identifier, [misfit for _, misfit in begun])
     fitted = heats(list(zip((claim for claim, _ in begun), searches, strict=True)), HEATS, inquiry.progress)
     return [Couple(first.proposal, claim, search) for claim, search in fitted]
-
-
-def _cost_of(rival: Rival) -> float:
-    """Half a chi squared of a single claim with the price of its numbers, as a couple has it."""
-    return float(rival.search.state.cost) + 0.5 * price_of(rival.proposal, rival.search.misfit.independent_samples)

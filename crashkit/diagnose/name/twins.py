@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 from attrs import evolve
 
-from crashkit.diagnose.fitting.contest import Entrant, heats, identity, propose_all
+from crashkit.diagnose.claims import identity, propose_all
+from crashkit.diagnose.fitting.contest import Entrant, heats
 from crashkit.diagnose.fitting.evidence import Rival, best_forms, by_evidence, is_unknown, ranked_by_evidence
 from crashkit.diagnose.fitting.rebuild import rebuild
 from crashkit.diagnose.fitting.search import Search, begin, begin_all

@@ -12,17 +12,16 @@ from crashkit.diagnose.fitting.sharpen import ROUGHLY, weighed_alike
 from crashkit.diagnose.locate.consistency import by_run, check_instruments
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.look import Look
-from crashkit.diagnose.name.needed import run_drops
 from crashkit.diagnose.result import UNKNOWN, Alternative, Diagnosis, Finding, Fit, place_of
+from crashkit.diagnose.show.action import action_of
 from crashkit.diagnose.show.expected_error import expected_error
 from crashkit.diagnose.show.experiment import experiment
 from crashkit.diagnose.show.finding import estimates, make_finding, stand_ins
 from crashkit.diagnose.show.fits import curves_of, fit_of, is_misleading, predict
+from crashkit.diagnose.show.run_drops import run_drops
 from crashkit.diagnose.show.tables import (
-    action_of,
     identified_table,
     limits_table,
-    missing_force_tree,
     ranking_table,
     units_of,
 )
@@ -124,7 +123,7 @@ def _findings(
     if discovery.search.normalised > FLOOR and UNKNOWN in workshop.hypotheses:
         told = _imitations_told(told, workshop.hypotheses[UNKNOWN].sentence)
     trees = {f"{number}/{run}": one for number, (_, action) in enumerate(told) for run, one in action.items()}
-    return tuple(finding for finding, _ in told), missing_force_tree(trees)
+    return tuple(finding for finding, _ in told), xr.DataTree.from_dict(trees)
 
 
 def _imitations_told(

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from typing import ClassVar
 
-import numpy as np
 import xarray as xr
 from attrs import evolve
 
@@ -25,11 +24,13 @@ from crashkit_hypotheses.build import (
 from crashkit_hypotheses.sizes import (
     approaching,
     compressed,
+    duration,
     forces_recorded,
     largest_deformation,
     largest_extension,
     largest_force,
     largest_rate,
+    largest_speed,
     largest_travel,
 )
 
@@ -150,9 +151,8 @@ class Unknown(Hypothesis):
     def _on_body(self, model: Model, body: Body, motion: Sequence[xr.Dataset]) -> list[Proposal]:
         """A table of the time, of its speed, or of how far it has come."""
         largest = _largest_at(model, (body.name,), motion)
-        fastest = max(float(np.nanmax(np.abs(one["velocity"].sel(body=body.name).values))) for one in motion)
         travel = max(largest_travel(motion, body.name), LEAST)
-        of_speed: Table = {"heights": _heights(largest), "reach": Parameter(fastest, fixed=True)}
+        of_speed: Table = {"heights": _heights(largest), "reach": Parameter(largest_speed(motion, body.name), fixed=True)}
         of_travel: Table = {"heights": _heights(largest), "reach": Parameter(travel, fixed=True)}
         tables = (
             Effect(self.physics, "time", "time_table", _of_time(largest, motion), "heights"),
@@ -191,8 +191,8 @@ def _of_deformation(largest: float, reach: float, usual: float = USUAL) -> Table
 
 def _of_time(largest: float, motion: Sequence[xr.Dataset]) -> Table:
     """Over the time that the longest run takes."""
-    duration = Parameter(max(float(one["time"].values[-1]) for one in motion), fixed=True)
-    return {"heights": _heights(largest, LARGE if len(motion) > 1 else USUAL), "duration": duration}
+    usual = LARGE if len(motion) > 1 else USUAL
+    return {"heights": _heights(largest, usual), "duration": Parameter(duration(motion), fixed=True)}
 
 
 def _heights(largest: float, usual: float = USUAL) -> tuple[Parameter, ...]:

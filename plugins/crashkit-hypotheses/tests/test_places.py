@@ -11,6 +11,7 @@ from crashkit.model.edit import with_factor, with_instrument_error, with_joint
 from crashkit.registry import load
 from crashkit.testing import toys
 
+DRIVEN = "deformation of another joint"
 FIXED = Parameter(0.0, fixed=True)
 
 
@@ -84,7 +85,7 @@ def test_what_one_joint_does_in_another_is_deformed_like_the_one_and_pushes_like
     toy = toys.two_degrees()
     turned = evolve(toy, joints=(toy.joint("first"), evolve(toy.joint("second"), bodies=("rear", "front"))))
     for model in (toy, turned):
-        links = {p.form: p.model.joints[-1] for p in propose("unknown", model) if p.refined}
+        links = {p.form: p.model.joints[-1] for p in propose("unknown", model) if p.estimate_of == DRIVEN}
         forms = {f"deformation of {name}{how}" for name in ("first", "second") for how in ("", ", as a factor")}
         assert set(links) == forms
         assert links["deformation of first"].bodies == ("wall", "front")
@@ -96,7 +97,7 @@ def test_what_one_joint_does_in_another_is_deformed_like_the_one_and_pushes_like
 def test_joints_of_the_same_two_bodies_do_nothing_in_each_other(propose, runs):
     toy = toys.two_degrees()
     beside = evolve(toy, joints=(toy.joint("second"), evolve(toy.joint("second"), name="first")))
-    assert not [p for p in propose("unknown", beside, runs) if p.refined]
+    assert not [p for p in propose("unknown", beside, runs) if p.estimate_of == DRIVEN]
 
 
 def test_a_mass_without_any_force_is_only_a_scale(propose):

@@ -14,6 +14,7 @@ from crashkit_spring_laws import (
     BellPeak,
     BoucWen,
     Brittle,
+    Bump,
     Coulomb,
     CrushPlateau,
     CrushStop,
@@ -124,6 +125,7 @@ EXAMPLES = [
     (Folding, {"amplitude": 2e4, "fold_length": 0.2, "skew": 0.3, "weakening": 0.05, "pointedness": 0.9}),
     (Folding, {"amplitude": 2e4, "fold_length": 0.2, "skew": 0.3, "weakening": 0.05, "pointedness": -20.0}),
     (SmoothTable, {"heights": [1e4, -2e4, 3e4], "reach": 0.6}),
+    (Bump, {"bump_force": -2e4, "bump_deformation": 0.3, "bump_width": 0.1}),
     (RateTable, {"heights": [-1e4, 0.0, 2e4, 3e4], "reach": 10.0}),
     (RateCurve, {"rate_heights": [-0.4, 0.0, 0.2, 0.1], "rate_reach": 10.0}),
     (DrivenCurve, {"driver_heights": [-0.4, 0.0, 0.2, 0.1], "driver_reach": 0.6}),
@@ -503,6 +505,12 @@ def test_a_force_of_the_time_acts_whether_or_not_there_is_contact():
     forces = [TimeTable.force(d, 0.0, max(d, 0.0), 0.05, **table) for d in (-0.1, 0.0, 0.3)]
     assert forces == pytest.approx([1e4 - 2e4 * math.exp(-1.0 / 0.64)] * 3)
     assert TimeTable.memory_rate(0.1, 2.0, 0.1, 0.05, **table) == 1.0
+
+
+def test_a_bump_is_a_bell_that_comes_back_as_it_came():
+    bump = {"bump_force": -2e4, "bump_deformation": 0.3, "bump_width": 0.1}
+    forces = [value(Bump, d, d_max=0.5, **bump) for d in (-0.1, 0.0, 0.2, 0.3, 0.4)]
+    assert forces == pytest.approx([0.0, 0.0, -2e4 / math.e, -2e4, -2e4 / math.e])
 
 
 def test_a_table_is_unloaded_over_a_length_and_reloaded_along_it():

@@ -5,7 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from crashkit.diagnose.fitting.contest import GROWING, heats, propose_all, scores, scouted
+from crashkit.diagnose.claims import propose_all
+from crashkit.diagnose.fitting.contest import GROWING, heats, scores, scouted
 from crashkit.diagnose.result import UNKNOWN
 from crashkit.errors import SimulationError
 from crashkit.model import Joint, Parameter

@@ -5,7 +5,7 @@ import pytest
 from attrs import evolve
 
 from crashkit.diagnose import name
-from crashkit.diagnose.fitting.contest import identity, propose_all
+from crashkit.diagnose.claims import identity, propose_all
 from crashkit.diagnose.fitting.couples import Couple, Led, _left_beside, _promises, coupled
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.regress import opened

@@ -99,8 +99,8 @@ def test_what_was_found_before_is_told(clock, damped):
 
 
 def test_where_all_is_asked_again_and_the_time_ends_that_the_first_answer_stands(clock, damped, monkeypatch):
-    monkeypatch.setattr(diagnosis, "_fitted_together", lambda workshop, discovery, *_: discovery.search)
-    monkeypatch.setattr(diagnosis, "_is_contradicted", lambda *_: True)
+    monkeypatch.setattr(diagnosis, "fitted_together", lambda workshop, discovery, *_: discovery.search)
+    monkeypatch.setattr(diagnosis, "is_contradicted", lambda *_: True)
     told = []
 
     def ends_with_the_second_asking(doing, share):

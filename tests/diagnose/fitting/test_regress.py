@@ -4,8 +4,8 @@ import pytest
 import xarray as xr
 from attrs import evolve
 
+from crashkit.diagnose.claims import propose_all
 from crashkit.diagnose.fitting import regress
-from crashkit.diagnose.fitting.contest import propose_all
 from crashkit.diagnose.fitting.regress import AT_A_TIME, STEPS, opened, regressed, simulated
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name import rivals as naming

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from attrs import evolve, frozen
 
-from crashkit.diagnose.fitting.contest import propose_all
+from crashkit.diagnose.claims import propose_all
 from crashkit.diagnose.fitting.evidence import Rival, best_forms, probabilities
 from crashkit.diagnose.fitting.quadratic import Extended, tangent
 from crashkit.diagnose.fitting.score import score

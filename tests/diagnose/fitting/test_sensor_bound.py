@@ -2,7 +2,7 @@
 
 import pytest
 
-from crashkit.diagnose.fitting.contest import propose_all
+from crashkit.diagnose.claims import propose_all
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.fitting.sensor_bound import sensor_of, that_may_reach
 

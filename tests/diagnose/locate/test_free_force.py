@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from attrs import evolve
 
-from crashkit.diagnose.fitting.contest import propose_all
+from crashkit.diagnose.claims import propose_all
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.locate.free_force import FreeForce, free_forces, outstanding

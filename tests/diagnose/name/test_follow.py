@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from attrs import evolve
 
-from crashkit.diagnose.diagnosis import _is_worthless, _leading
+from crashkit.diagnose.diagnosis import _is_worthless
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.holdout import leading_looks
 from crashkit.diagnose.name import follow as questioned
 from crashkit.diagnose.name.follow import (
     Discovery,
@@ -78,9 +79,9 @@ def test_a_run_that_contradicts_is_asked_for_what_was_found_before_everything(of
         Discovery(base.fitted(), base.fitted(), base, findings, last)
         for findings, last in (((look,), None), ((), look), ((look, look), None), ((look, doubtful), None))
     )
-    assert _leading(one) == _leading(none) == (look,)
-    assert _leading(two) == (look, look)
-    assert _leading(other) == _leading(evolve(none, last=None)) == ()
+    assert leading_looks(one) == leading_looks(none) == (look,)
+    assert leading_looks(two) == (look, look)
+    assert leading_looks(other) == leading_looks(evolve(none, last=None)) == ()
 
 
 def test_the_price_of_a_table_is_that_of_its_heights(misfit, model, recorded):

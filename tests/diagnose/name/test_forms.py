@@ -8,8 +8,8 @@ from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name.follow import reconsidered
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.look import LEAST_DROP, Look
-from crashkit.diagnose.name.needed import run_drops
 from crashkit.diagnose.name.rivals import further_rivals, nearest_rivals
+from crashkit.diagnose.show.run_drops import run_drops
 from crashkit.model import Parameter
 from crashkit.model.edit import with_factor
 

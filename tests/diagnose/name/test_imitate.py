@@ -2,7 +2,8 @@
 
 import pytest
 
-from crashkit.diagnose.fitting.contest import identity, priced, propose_all
+from crashkit.diagnose.claims import identity, propose_all
+from crashkit.diagnose.fitting.contest import priced
 from crashkit.diagnose.fitting.evidence import is_unknown, rival_of
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name.imitate import imitating

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 from attrs import evolve
 
-from crashkit.diagnose.fitting.contest import propose_all
+from crashkit.diagnose.claims import propose_all
 from crashkit.diagnose.fitting.evidence import Rival, ranked_by_evidence
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name import settle

@@ -3,7 +3,7 @@
 import pytest
 from attrs import evolve
 
-from crashkit.diagnose.fitting.contest import identity, propose_all
+from crashkit.diagnose.claims import identity, propose_all
 from crashkit.diagnose.fitting.evidence import ranked_by_evidence
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name.follow import Discovery

@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 from attrs import evolve
 
-from crashkit.diagnose.name.needed import run_drops
 from crashkit.diagnose.show.finding import estimates, make_finding, stand_ins
+from crashkit.diagnose.show.run_drops import run_drops
 from crashkit.protocols import Identification, Proposal, Status
 
 TIMES = np.arange(100) * 1e-3

@@ -6,7 +6,8 @@ import xarray as xr
 
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
-from crashkit.diagnose.show.tables import action_of, units_of
+from crashkit.diagnose.show.action import action_of
+from crashkit.diagnose.show.tables import units_of
 from crashkit.model import Parameter
 from crashkit.model.edit import with_instrument_error
 

@@ -1,0 +1,55 @@
+"""What a proposal claims, whatever its form, and all that may be claimed of a model."""
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from typing import TypeVar
+
+from crashkit.diagnose.result import place_of
+from crashkit.diagnose.workshop import Workshop
+from crashkit.errors import SimulationError
+from crashkit.misfit import Misfit
+from crashkit.protocols import Proposal
+
+Found = TypeVar("Found")
+Progress = Callable[[str, float], None]
+Start = tuple[Proposal, Mapping[str, float]]
+"""A proposal, and values by path to begin at."""
+
+
+def identity(proposal: Proposal) -> tuple[str, str]:
+    """What a proposal claims, whatever its form: the physics and the place."""
+    return proposal.physics, place_of(proposal.location)
+
+
+def is_same(first: Proposal, second: Proposal) -> bool:
+    """Whether two proposals, perhaps built on different models, claim the same in the same form."""
+    return identity(first) == identity(second) and first.form == second.form
+
+
+def form_of(proposal: Proposal) -> tuple[str, ...]:
+    """What a proposal claims, and in which form."""
+    return *identity(proposal), proposal.form
+
+
+def propose_all(workshop: Workshop, base: Misfit) -> list[Proposal]:
+    """Every hypothesis at every place of the model, in every form that can be fitted; none where it cannot be simulated, as
+    with numbers that only the equations of motion have led."""
+    values = {name: parameter.value for name, parameter in base.model.free_parameters().items()}
+    try:
+        motions = [base.predictor.motion(run, values) for run in base.recordings]
+    except SimulationError:
+        return []
+    return workshop.proposals(base.model, motions, list(base.recordings.values()))
+
+
+def first_of_each(
+    ranked: Sequence[tuple[Proposal, Found]], most: int, kind: Callable[[Proposal], tuple[str, ...]] = form_of
+) -> list[tuple[Proposal, Found]]:
+    """The best few of each claim in each form, or of another kind."""
+    seen: Counter[tuple[str, ...]] = Counter()
+    chosen = []
+    for one in ranked:
+        seen[kind(one[0])] += 1
+        if seen[kind(one[0])] <= most:
+            chosen.append(one)
+    return chosen

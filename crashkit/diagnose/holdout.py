@@ -1,0 +1,68 @@
+"""What runs that were held out say of what was found in the others."""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+
+import numpy as np
+import xarray as xr
+
+from crashkit.diagnose.fitting.evidence import UNEXPLAINED, is_at_noise
+from crashkit.diagnose.fitting.reidentify import refine
+from crashkit.diagnose.fitting.search import Search
+from crashkit.diagnose.fitting.sharpen import in_the_light_of, weighed_alike
+from crashkit.diagnose.fitting.thresholds import wakened
+from crashkit.diagnose.name.follow import Discovery
+from crashkit.diagnose.name.look import Look
+from crashkit.diagnose.show.fits import fit_of, predict
+from crashkit.diagnose.workshop import Workshop
+from crashkit.misfit import Misfit
+from crashkit.model import Model
+
+PLAIN = 0.9
+"""Probability of a finding from which no other claim need be asked for in its place."""
+
+
+def fitted_together(
+    workshop: Workshop,
+    discovery: Discovery,
+    model: Model,
+    recordings: Mapping[str, xr.DataTree],
+    holdout: Mapping[str, xr.DataTree],
+) -> Search | None:
+    """What explains the fitted runs, fitted to those held out as well. None where these are predicted, or those not explained.
+
+    A prediction may be off because the fitted runs do not tell a number, or because a form is off that leaves something in
+    them too: neither says that anything else is missing.
+    """
+    if not holdout:
+        return None
+    final = discovery.final
+    workshop = workshop.equipped([final.model])
+    unseen = weighed_alike(workshop.first_misfit(final.model, holdout), final)
+    normalised = partial(_normalised, told_only=bool(discovery.findings))
+    if normalised(final) > UNEXPLAINED or normalised(unseen) < UNEXPLAINED:
+        return None
+    both = in_the_light_of(workshop, model, {**recordings, **holdout}, final)
+    return wakened(workshop, refine(workshop.identifier, workshop.misfit(both, final.model)))
+
+
+def is_contradicted(discovery: Discovery, together: Search) -> bool:
+    """Whether no values of what was found explain all runs. Where nothing was found there is no form that may be off, and more
+    than chance leaves says that something is missing. Of a finding, only channels whose noise is told are witnesses."""
+    if not discovery.findings:
+        return not is_at_noise(together)
+    return _normalised(together.fitted(), told_only=True) > UNEXPLAINED
+
+
+def _normalised(misfit: Misfit, told_only: bool) -> float:
+    """Residual over noise at the misfit's own values, of all channels or of those whose noise is told; 0 if there are none."""
+    channels = fit_of(misfit, predict(misfit)).channels
+    counts = channels["independent_samples"].values * [one.noise.trusted or not told_only for one in misfit.channels]
+    return float(np.sqrt(np.sum(channels["normalised_rmse"].values ** 2 * counts) / max(counts.sum(), 1e-9)))
+
+
+def leading_looks(discovery: Discovery) -> Sequence[Look]:
+    """The looks that a held-out run which contradicts a discovery should be asked for first: its only one, or all where each
+    finding was plain."""
+    looks = discovery.findings or ((discovery.last,) if discovery.last else ())
+    return looks if len(looks) == 1 or all(look.probabilities[0] > PLAIN for look in looks) else ()
