@@ -12,7 +12,7 @@ from crashkit.diagnose.fitting.evidence import is_strained
 from crashkit.diagnose.fitting.in_time import TimeLimit, in_time
 from crashkit.diagnose.fitting.reidentify import refine, reidentify
 from crashkit.diagnose.fitting.search import STEPS, Search, begin
-from crashkit.diagnose.fitting.sharpen import ROUGHLY, OutrunError, in_the_light_of, sharpened, weighed_alike
+from crashkit.diagnose.fitting.sharpen import ROUGHLY, in_the_light_of, sharpened, weighed_alike
 from crashkit.diagnose.fitting.thinning import thinned_by
 from crashkit.diagnose.fitting.thresholds import awake
 from crashkit.diagnose.holdout import fitted_together, is_contradicted, leading_looks
@@ -21,6 +21,7 @@ from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.name.needed import needed, price
+from crashkit.diagnose.name.pace import OutrunError
 from crashkit.diagnose.name.rivals import CONCEALED
 from crashkit.diagnose.name.twins import beside_twins
 from crashkit.diagnose.result import Diagnosis
@@ -102,7 +103,7 @@ def _discovered_at_pace(
 ) -> Discovery:
     """What is found in time; where that outruns the recordings as they were thinned, by finer ones."""
     nothing = Discovery.of(base, base)
-    at_pace = Inquiry(evolve(workshop, recorded=recordings), base.misfit.with_values_of(given), base, progress)
+    at_pace = Inquiry(workshop, base.misfit.with_values_of(given), base, progress, recordings)
     try:
         return in_time(nothing, discover, at_pace, looks)
     except OutrunError as outrun:

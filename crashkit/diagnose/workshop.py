@@ -17,8 +17,7 @@ from crashkit.protocols import Hypothesis, Identifier, Observer, Proposal, Regre
 @frozen
 class Workshop:
     """The plugins by name, an identifier for every fit, one that looks everywhere for a first, two that need no simulation, to
-    find a start and a place, the engine and its step, s, and the recordings as they are, where what is found may outrun
-    thinned ones."""
+    find a start and a place, the engine and its step, s."""
 
     laws: Mapping[str, type[SpringLaw]]
     observers: Mapping[str, type[Observer]]
@@ -30,7 +29,6 @@ class Workshop:
     locator: Regression[Any]
     engine: Engine | None = field(default=None)
     step: float = STEP
-    recorded: Mapping[str, xr.DataTree] = field(factory=dict)
 
     def misfit(self, base: Misfit, model: Model) -> Misfit:
         """The misfit of another model to the same recordings, weighed alike."""

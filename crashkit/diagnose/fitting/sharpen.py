@@ -1,4 +1,4 @@
-"""Fits to recordings that are thinned in their own light, and what is found that outruns those that were thinned before."""
+"""Fits to recordings that are thinned in their own light."""
 
 from collections.abc import Mapping, Sequence
 
@@ -6,7 +6,6 @@ import numpy as np
 import xarray as xr
 from attrs import evolve
 
-from crashkit.diagnose.fitting.evidence import FLOOR, Rival, is_unknown
 from crashkit.diagnose.fitting.search import STEPS, Search, begin
 from crashkit.diagnose.fitting.thinning import thinned_by
 from crashkit.diagnose.workshop import Workshop
@@ -18,45 +17,6 @@ SHARPENINGS = 2
 ROUGHLY = 0.3
 """Relative deviation to which the numbers of a given model are believed while causes are compared. Without it a model could
 hide what it lacks in numbers that nobody would give it; how well a number is known is told without it."""
-THINNED = 0.5
-"""Share of what a finding leaves above the noise that is due to thinning, if the finding outruns it."""
-
-
-class OutrunError(Exception):
-    """What was found moves faster than the thinned recordings can show, and has to be judged by finer ones.
-
-    Attributes:
-        found: that claim, fitted to those.
-    """
-
-    def __init__(self, found: Rival) -> None:
-        super().__init__(found.identity)
-        self.found = found
-
-
-def check_pace(workshop: Workshop, given: Misfit, found: Rival) -> None:
-    """Raises OutrunError where most of what a finding leaves above the noise was made by thinning."""
-    left = found.search
-    if not workshop.recorded or is_unknown(found) or left.normalised < FLOOR:
-        return
-    finer = sharpened(workshop.equipped([left.misfit.model]), given.model, workshop.recorded, left)
-    if finer.excess < THINNED * left.excess:
-        raise OutrunError(evolve(found, search=finer))
-
-
-def check_rate(workshop: Workshop, given: Misfit, found: Rival) -> None:
-    """Raises OutrunError where readings that a finding explains change faster than the thinned recordings show.
-
-    However much else is left: the means that these consist of have taken away part of what rings.
-    """
-    left = found.search
-    if not workshop.recorded:
-        return
-    equipped = workshop.equipped([left.misfit.model])
-    finer = in_the_light_of(equipped, given.model, workshop.recorded, left.fitted())
-    if finer.sample_count > left.misfit.sample_count:
-        search = begin(workshop.identifier, equipped.misfit(finer, left.fitted().model)).advance(STEPS)
-        raise OutrunError(evolve(found, search=search))
 
 
 def sharpened(workshop: Workshop, model: Model, recordings: Mapping[str, xr.DataTree], search: Search) -> Search:

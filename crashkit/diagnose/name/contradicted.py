@@ -19,7 +19,7 @@ from crashkit.diagnose.name.follow import Discovery, followed, is_estimated
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look, compared, led, look_again
-from crashkit.diagnose.name.rivals import CONCEALED, again
+from crashkit.diagnose.name.rivals import CONCEALED
 
 MOST = 3
 """How many rivals are tried, the contradicted one among them: its other forms may explain more."""
@@ -110,5 +110,5 @@ def _fitted(inquiry: Inquiry, rival: Rival) -> list[Rival]:
     alone = inquiry.fit_with([rival], rival.search)
     if alone is None:
         return []
-    alone = again(inquiry.workshop, inquiry.given, evolve(rival, search=alone), inquiry.progress)
+    alone = inquiry.again(evolve(rival, search=alone))
     return [rival_of(rival.proposal, alone, inquiry.base.deviance)]

@@ -58,7 +58,7 @@ def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | Non
     rest = workshop.first_misfit(given.model, without(given.recordings, set_aside)).with_prior(given.prior.std)
     if not rest.groups:
         return None
-    believed = Inquiry(evolve(workshop, recorded={}), rest, reidentify(workshop, rest), inquiry.progress)
+    believed = Inquiry(workshop, rest, reidentify(workshop, rest), inquiry.progress)
     structure = explored(believed)
     findings = list(structure.findings)
     search = inquiry.fit_with([look.leader for look in findings], structure.search)

@@ -15,7 +15,6 @@ from crashkit.diagnose.fitting.evidence import (
 from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.rebuild import alone_again
 from crashkit.diagnose.fitting.search import Search
-from crashkit.diagnose.fitting.sharpen import check_rate
 from crashkit.diagnose.locate.free_force import free_forces, outstanding
 from crashkit.diagnose.name.follow import NEEDED, TIE, Discovery, followed, is_estimated, leave_a_trace, reconsidered
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
@@ -25,6 +24,7 @@ from crashkit.diagnose.name.look import FORM_ERRORS, Look, compared, is_of_readi
 from crashkit.diagnose.name.nearby import Nearby, followed_nearby
 from crashkit.diagnose.name.needed import price
 from crashkit.diagnose.name.other_first import begun_otherwise
+from crashkit.diagnose.name.pace import check_rate
 from crashkit.diagnose.name.pairs import both, named_before_unknown
 from crashkit.diagnose.name.rivals import CONCEALED, may_conceal
 from crashkit.diagnose.name.simpler import in_fewer_numbers
@@ -62,7 +62,7 @@ def _near_then_wide(inquiry: Inquiry, near: Look | None) -> Discovery:
         if better.excess < LOCAL_OPTIMUM * base.excess:
             return in_time(_won(base, near), _near_then_wide, evolve(inquiry, base=better), None)
     if _is_wrong_beside_more(near):
-        check_rate(inquiry.workshop, inquiry.given, near.leader)
+        check_rate(inquiry, near.leader)
         return beside_reading(inquiry, near)
     nearby = Nearby(near)
     if may_conceal(base.fitted()):
@@ -113,7 +113,7 @@ def _with_reading_right(inquiry: Inquiry, reading: Look) -> Inquiry:
     """Into the model that says what an instrument has wrong."""
     search = reading.leader.search
     given = search.fitted().with_values_of(inquiry.given)
-    return evolve(inquiry, workshop=evolve(inquiry.workshop, recorded={}), given=given, base=search)
+    return evolve(inquiry, unthinned={}, given=given, base=search)
 
 
 def _told_beside(inquiry: Inquiry, reading: Look, structure: Rival) -> Look:

@@ -8,13 +8,13 @@ from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED, Rival, explai
 from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.rebuild import alone_again
 from crashkit.diagnose.fitting.search import Search
-from crashkit.diagnose.fitting.sharpen import check_pace
 from crashkit.diagnose.fitting.thresholds import wakened
 from crashkit.diagnose.locate.free_force import Pointer
 from crashkit.diagnose.name.exchange import exchanged
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look, compared, is_of_readings, look_again
+from crashkit.diagnose.name.pace import check_pace
 from crashkit.diagnose.name.settle import settled
 from crashkit.misfit import Misfit
 from crashkit.model import Model
@@ -129,7 +129,7 @@ def _one_more(inquiry: Inquiry, findings: Sequence[Look], look: Look, winner: Ri
     search = more[-1].leader.search
     more, search = in_time((more, search), in_best_forms, inquiry, more, search)
     if len(more) == 1:
-        check_pace(inquiry.workshop, inquiry.given, more[0].leader)
+        check_pace(inquiry, more[0].leader)
     return more, search
 
 

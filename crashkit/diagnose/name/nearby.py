@@ -4,11 +4,11 @@ from attrs import field, frozen
 
 from crashkit.diagnose.fitting.evidence import UNEXPLAINED, by_evidence, is_unknown
 from crashkit.diagnose.fitting.search import Search
-from crashkit.diagnose.fitting.sharpen import check_pace
 from crashkit.diagnose.name.follow import Discovery, followed
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import FORM_ERRORS, Look, compared, look_again
+from crashkit.diagnose.name.pace import check_pace
 from crashkit.diagnose.name.rivals import CONCEALED
 from crashkit.diagnose.name.settle import settled
 
@@ -44,7 +44,7 @@ def followed_nearby(inquiry: Inquiry, near: Look) -> Nearby:
     if winner is None:
         return Nearby(near)
     if search.normalised < CONCEALED:
-        check_pace(inquiry.workshop, inquiry.given, winner)
+        check_pace(inquiry, winner)
     first = first if is_unknown(near.leader) else near
     look = look_again(inquiry, search.fitted(), [winner], quick=search.normalised > CONCEALED)
     if search.normalised > CONCEALED and not (_completes(look) or _is_most(search, inquiry.base, look)):

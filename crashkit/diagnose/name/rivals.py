@@ -10,9 +10,9 @@ from crashkit.diagnose.fitting.contest import GROWING, Entrant, heats, promising
 from crashkit.diagnose.fitting.couples import Couple, coupled
 from crashkit.diagnose.fitting.evidence import FLOOR, STRAINED, Rival, explains, is_strained, ranked_by_evidence
 from crashkit.diagnose.fitting.regress import opened, regressed
-from crashkit.diagnose.fitting.reidentify import scattered, understood
+from crashkit.diagnose.fitting.reidentify import scattered
 from crashkit.diagnose.fitting.score import Score
-from crashkit.diagnose.fitting.search import Search, begin, weighed
+from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.fitting.sensor_bound import sensor_of, that_may_reach
 from crashkit.diagnose.result import UNKNOWN
 from crashkit.diagnose.workshop import Workshop
@@ -174,15 +174,6 @@ def _from_given(
 
 def _any_explains(fitted: Iterable[Entrant]) -> bool:
     return any(explains(search) for _, search in fitted)
-
-
-def again(workshop: Workshop, given: Misfit, rival: Rival, progress: Progress) -> Search:
-    """The model with a claim, re-identified from where the user gave its own numbers.
-
-    Its fit began where the model without it had been driven, and may have stayed in that valley.
-    """
-    progress(f"re-identifying with {rival.proposal.physics}", 0.0)
-    return weighed([understood(workshop, rival.search.fitted().with_values_of(given))])[0]
 
 
 def _limits(scores: Iterable[tuple[Proposal, Score]]) -> list[Limit]:

@@ -11,7 +11,7 @@ from crashkit.diagnose.fitting.search import begin_all
 from crashkit.diagnose.name.forms import in_all_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look, compared, is_of_readings, open_claims
-from crashkit.diagnose.name.rivals import CONCEALED, HEATS, again
+from crashkit.diagnose.name.rivals import CONCEALED, HEATS
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.protocols import Proposal
 
@@ -40,7 +40,7 @@ def settled(inquiry: Inquiry, look: Look, winner: Rival, found: Sequence[Rival])
 def _reidentified(inquiry: Inquiry, look: Look, winner: Rival) -> Look:
     if explains(winner.search) or is_unknown(winner):
         return look
-    found = again(inquiry.workshop, inquiry.given, winner, inquiry.progress)
+    found = inquiry.again(winner)
     gained = winner.search.deviance - found.deviance
     if not gained > 0.0:
         return look

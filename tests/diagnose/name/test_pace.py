@@ -6,12 +6,12 @@ import pytest
 from attrs import evolve
 
 from crashkit.diagnose import diagnosis
-from crashkit.diagnose.fitting import sharpen
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.in_time import OutOfTimeError
-from crashkit.diagnose.fitting.sharpen import OutrunError, check_pace, check_rate
+from crashkit.diagnose.name import pace
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.look import Look
+from crashkit.diagnose.name.pace import OutrunError, check_pace, check_rate
 from crashkit.protocols import Proposal
 
 
@@ -28,23 +28,20 @@ def claim(normalised, physics="joint_friction"):
 
 @pytest.fixture
 def finer(monkeypatch):
-    """A workshop whose recordings, thinned in the light of any claim, leave so much of it."""
+    """An inquiry into recordings that, thinned in the light of any claim, leave so much of it."""
 
     def finer(normalised, recorded=("run",)):
-        monkeypatch.setattr(sharpen, "sharpened", lambda *_: leaving(normalised))
-        workshop = SimpleNamespace(recorded=recorded)
-        workshop.equipped = lambda models: workshop
-        return workshop
+        monkeypatch.setattr(pace, "sharpened", lambda *_: leaving(normalised))
+        return SimpleNamespace(
+            workshop=SimpleNamespace(equipped=lambda models: None), given=SimpleNamespace(model=None), unthinned=recorded
+        )
 
     return finer
 
 
-GIVEN = SimpleNamespace(model=None)
-
-
 def test_a_claim_that_finer_recordings_explain_has_outrun_the_others(finer):
     with pytest.raises(OutrunError, match="joint_friction") as caught:
-        check_pace(finer(1.01), GIVEN, claim(1.16))
+        check_pace(finer(1.01), claim(1.16))
     assert caught.value.found.search.normalised == 1.01
 
 
@@ -59,7 +56,7 @@ def test_a_claim_that_finer_recordings_explain_has_outrun_the_others(finer):
 )
 def test_a_claim_goes_on(finer, left, then, physics, recorded):
     """Which leaves as much of finer recordings, is at the noise, is an estimate, or for which there are no finer ones."""
-    check_pace(finer(then, recorded), GIVEN, claim(left, physics))
+    check_pace(finer(then, recorded), claim(left, physics))
 
 
 @pytest.mark.parametrize(("finer", "kept", "is_outrun"), [(400, ("run",), True), (200, ("run",), False), (400, (), False)])
@@ -68,15 +65,15 @@ def test_readings_that_need_more_samples_than_there_are_outrun_them(
 ):
     """However much a claim leaves; where there are finer recordings."""
     few, more = (recorded(model, accelerometer=lambda group, n=n: group.isel(time=slice(n))) for n in (200, finer))
-    search = sharpen.begin(workshop.identifier, misfit(model, run=few))
+    search = pace.begin(workshop.identifier, misfit(model, run=few))
     found = Rival(Proposal("mounting_resonance", "", {"sensor": "s"}, model, (), {}), search, 1000.0, 500.0)
-    monkeypatch.setattr(sharpen, "in_the_light_of", lambda *_: misfit(model, run=more))
-    there = evolve(workshop, recorded=kept)
+    monkeypatch.setattr(pace, "in_the_light_of", lambda *_: misfit(model, run=more))
+    there = SimpleNamespace(workshop=workshop, given=search.misfit, unthinned=kept)
     if not is_outrun:
-        check_rate(there, search.misfit, found)
+        check_rate(there, found)
         return
     with pytest.raises(OutrunError, match="mounting_resonance") as caught:
-        check_rate(there, search.misfit, found)
+        check_rate(there, found)
     assert caught.value.found.search.misfit.sample_count > search.misfit.sample_count
 
 
@@ -90,7 +87,7 @@ def test_all_is_asked_again_of_finer_recordings_and_the_claim_stands_where_time_
     asked = []
 
     def discover(inquiry, looks):
-        asked.append((inquiry.workshop.recorded, [rival for look in looks for rival in look.rivals]))
+        asked.append((inquiry.unthinned, [rival for look in looks for rival in look.rivals]))
         if len(asked) == 1:
             raise OutrunError(found)
         if not is_answered:

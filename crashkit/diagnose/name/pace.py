@@ -1,0 +1,49 @@
+"""What is found may outrun the recordings as they were thinned, and then has to be judged by finer ones."""
+
+from attrs import evolve
+
+from crashkit.diagnose.fitting.evidence import FLOOR, Rival, is_unknown
+from crashkit.diagnose.fitting.search import STEPS, begin
+from crashkit.diagnose.fitting.sharpen import in_the_light_of, sharpened
+from crashkit.diagnose.name.inquiry import Inquiry
+
+THINNED = 0.5
+"""Share of what a finding leaves above the noise that is due to thinning, if the finding outruns it."""
+
+
+class OutrunError(Exception):
+    """What was found moves faster than the thinned recordings can show, and has to be judged by finer ones.
+
+    Attributes:
+        found: that claim, fitted to those.
+    """
+
+    def __init__(self, found: Rival) -> None:
+        super().__init__(found.identity)
+        self.found = found
+
+
+def check_pace(inquiry: Inquiry, found: Rival) -> None:
+    """Raises OutrunError where most of what a finding leaves above the noise was made by thinning."""
+    left = found.search
+    if not inquiry.unthinned or is_unknown(found) or left.normalised < FLOOR:
+        return
+    equipped = inquiry.workshop.equipped([left.misfit.model])
+    finer = sharpened(equipped, inquiry.given.model, inquiry.unthinned, left)
+    if finer.excess < THINNED * left.excess:
+        raise OutrunError(evolve(found, search=finer))
+
+
+def check_rate(inquiry: Inquiry, found: Rival) -> None:
+    """Raises OutrunError where readings that a finding explains change faster than the thinned recordings show.
+
+    However much else is left: the means that these consist of have taken away part of what rings.
+    """
+    left = found.search
+    if not inquiry.unthinned:
+        return
+    equipped = inquiry.workshop.equipped([left.misfit.model])
+    finer = in_the_light_of(equipped, inquiry.given.model, inquiry.unthinned, left.fitted())
+    if finer.sample_count > left.misfit.sample_count:
+        search = begin(equipped.identifier, equipped.misfit(finer, left.fitted().model)).advance(STEPS)
+        raise OutrunError(evolve(found, search=search))
