@@ -31,6 +31,11 @@ def form_of(proposal: Proposal) -> tuple[str, ...]:
     return *identity(proposal), proposal.form
 
 
+def accuses_instrument(proposal: Proposal) -> bool:
+    """Whether it says no more than what an instrument reads; that a body turns is said of the body."""
+    return not {"sensor", "instrument"}.isdisjoint(proposal.location)
+
+
 def propose_all(workshop: Workshop, base: Misfit) -> list[Proposal]:
     """Every hypothesis at every place of the model, in every form that can be fitted; none where it cannot be simulated, as
     with numbers that only the equations of motion have led."""

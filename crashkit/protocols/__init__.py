@@ -1,7 +1,7 @@
 """The protocols: what a plugin implements, one page each."""
 
 from crashkit.protocols.hypothesis import Hypothesis, Proposal
-from crashkit.protocols.identifier import Identification, Identifier, Problem, Regression, Status
+from crashkit.protocols.identifier import Identification, Identifier, Problem, Regression, Status, advanced
 from crashkit.protocols.importer import Importer
 from crashkit.protocols.observer import Misread, Observer, PlainObserver, Reading, SensorErrors, Shown
 from crashkit.protocols.parameter import ParameterSpec
@@ -26,4 +26,5 @@ __all__ = [
     "Smoother",
     "SpringLaw",
     "Status",
+    "advanced",
 ]

@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from enum import Enum
-from typing import ClassVar, Generic, Protocol, TypeVar
+from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -85,6 +85,15 @@ class Identifier(ABC, Generic[State]):
     @abstractmethod
     def finish(self, problem: Problem, state: State) -> Identification:
         """The result of a state, whether it converged or not."""
+
+
+def advanced(identifier: Identifier[Any], problem: Problem, state: Any, steps: int) -> Any:
+    """The state at most so many steps further."""
+    for _ in range(steps):
+        if state.status is not Status.RUNNING:
+            break
+        state = identifier.step(problem, state)
+    return state
 
 
 class Regression(Identifier[State]):

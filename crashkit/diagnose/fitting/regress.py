@@ -15,7 +15,7 @@ from crashkit.diagnose.result import UNKNOWN
 from crashkit.diagnose.workshop import Workshop
 from crashkit.errors import CrashkitError
 from crashkit.misfit import Misfit
-from crashkit.protocols import Identifier, Proposal, Status
+from crashkit.protocols import Identifier, Proposal, advanced
 
 ROUNDS = ((None, 4), (2, 25))
 """How many of the starts enter each round of a regression, and how many steps each gets there."""
@@ -130,7 +130,7 @@ def regression(
         first = starter.start(misfit)
         states = [starter.moved(misfit, first, misfit.start_at(start)) if start else first for start in starts]
         for size, steps in rounds:
-            states = [_advanced(starter, misfit, one, steps) for one in sorted(states, key=lambda state: state.cost)[:size]]
+            states = [advanced(starter, misfit, one, steps) for one in sorted(states, key=lambda state: state.cost)[:size]]
     except CrashkitError:
         return None
     best = min(states, key=lambda state: state.cost)
@@ -144,11 +144,3 @@ def residual_and_jacobian(workshop: Workshop, misfit: Misfit) -> tuple[np.ndarra
         return workshop.starter.equations(misfit, state).residual_and_jacobian(misfit.start())
     except CrashkitError:
         return None
-
-
-def _advanced(starter: Identifier[Any], misfit: Misfit, state: Any, steps: int) -> Any:
-    for _ in range(steps):
-        if state.status is not Status.RUNNING:
-            break
-        state = starter.step(misfit, state)
-    return state

@@ -15,7 +15,7 @@ from crashkit.diagnose.fitting.search import STEPS, Search, advance_all, begin_a
 from crashkit.diagnose.fitting.thresholds import wakened
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
-from crashkit.protocols import Identifier, Status
+from crashkit.protocols import Identifier, advanced
 
 FINDING = 400
 """Steps of the search that looks everywhere."""
@@ -57,11 +57,7 @@ def _fitted(workshop: Workshop, misfit: Misfit, ends: Sequence[Mapping[str, floa
 
 
 def _found(finder: Identifier[Any], misfit: Misfit) -> Mapping[str, float]:
-    state = finder.start(misfit)
-    for _ in range(FINDING):
-        if state.status is not Status.RUNNING:
-            break
-        state = finder.step(misfit, state)
+    state = advanced(finder, misfit, finder.start(misfit), FINDING)
     return misfit.values(np.asarray(state.point))
 
 

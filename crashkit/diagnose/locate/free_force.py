@@ -11,7 +11,7 @@ from crashkit.diagnose.result import place_of
 from crashkit.diagnose.workshop import Workshop
 from crashkit.errors import CrashkitError
 from crashkit.misfit import Misfit, SameVariables
-from crashkit.protocols import Problem, Proposal, Status
+from crashkit.protocols import Problem, Proposal, advanced
 
 IN_TIME = "time"
 """The heights of an estimated force that depends on it are taken as a course of its own in each run."""
@@ -90,11 +90,7 @@ def _course(workshop: Workshop, misfit: Misfit, force: Proposal) -> FreeForce | 
     """None where what nobody saw cannot be simulated beside what was measured."""
     try:
         problem = _Free(workshop, misfit, force)
-        state = workshop.identifier.start(problem)
-        for _ in range(STEPS):
-            if state.status is not Status.RUNNING:
-                break
-            state = workshop.identifier.step(problem, state)
+        state = advanced(workshop.identifier, problem, workshop.identifier.start(problem), STEPS)
     except CrashkitError:
         return None
     return FreeForce(force, 2.0 * float(state.cost))

@@ -2,6 +2,7 @@
 
 from attrs import evolve
 
+from crashkit.diagnose.claims import accuses_instrument
 from crashkit.diagnose.fitting.evidence import (
     FLOOR,
     UNEXPLAINED,
@@ -20,7 +21,7 @@ from crashkit.diagnose.name.follow import NEEDED, TIE, Discovery, followed, is_e
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.last_estimates import estimated_at_last
-from crashkit.diagnose.name.look import FORM_ERRORS, Look, compared, is_of_readings, led, look_again
+from crashkit.diagnose.name.look import FORM_ERRORS, Look, compared, led, look_again
 from crashkit.diagnose.name.nearby import Nearby, followed_nearby
 from crashkit.diagnose.name.needed import price
 from crashkit.diagnose.name.other_first import begun_otherwise
@@ -80,7 +81,7 @@ def _is_wrong_beside_more(near: Look) -> bool:
     """Whether an instrument plainly is wrong, but that leaves much: of that the equations of motion say nothing, and all that
     is asked of the structure is asked better once it is put right."""
     winner = near.winner
-    return winner is not None and is_of_readings(winner.proposal) and winner.search.normalised > CONCEALED
+    return winner is not None and accuses_instrument(winner.proposal) and winner.search.normalised > CONCEALED
 
 
 def beside_reading(inquiry: Inquiry, reading: Look) -> Discovery:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from attrs import evolve, field, frozen
 
+from crashkit.diagnose.claims import accuses_instrument
 from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED, Rival, explains, is_unknown, ranked_by_evidence
 from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.rebuild import alone_again
@@ -13,7 +14,7 @@ from crashkit.diagnose.locate.free_force import Pointer
 from crashkit.diagnose.name.exchange import exchanged
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Look, compared, is_of_readings, look_again
+from crashkit.diagnose.name.look import Look, compared, look_again
 from crashkit.diagnose.name.pace import check_pace
 from crashkit.diagnose.name.settle import settled
 from crashkit.misfit import Misfit
@@ -64,7 +65,7 @@ class Discovery:
         """Whether findings about the structure alone plainly leave something: along the measured motion there is more to ask.
         About instruments that are wrong the equations of motion say nothing."""
         claims = [look.leader.proposal for look in self.findings]
-        return bool(claims) and self.search.normalised >= UNEXPLAINED and not any(map(is_of_readings, claims))
+        return bool(claims) and self.search.normalised >= UNEXPLAINED and not any(map(accuses_instrument, claims))
 
 
 def followed(inquiry: Inquiry, begun: Sequence[Look], look: Look, near: Look | None = None) -> tuple[Discovery, Look]:

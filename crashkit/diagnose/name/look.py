@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 from attrs import evolve, field, frozen
 
-from crashkit.diagnose.claims import identity, propose_all
+from crashkit.diagnose.claims import accuses_instrument, identity, propose_all
 from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import UNEXPLAINED, Rival, best_forms, explains, probabilities
 from crashkit.diagnose.name.inquiry import Inquiry
@@ -122,17 +122,12 @@ def least_drop(found: Sequence[Rival]) -> float:
 
 def _is_exact(proposal: Proposal) -> bool:
     """Whether it is one number of an instrument."""
-    return is_of_readings(proposal) and len(proposal.parameters) == 1
+    return accuses_instrument(proposal) and len(proposal.parameters) == 1
 
 
 def _least_of(proposal: Proposal, least: float) -> float:
     """What this claim must explain where `least` is asked of one about the structure."""
-    return max(LEAST_DROP, READINGS * least) if is_of_readings(proposal) else least
-
-
-def is_of_readings(proposal: Proposal) -> bool:
-    """Whether it says no more than what an instrument reads."""
-    return not {"sensor", "instrument"}.isdisjoint(proposal.location)
+    return max(LEAST_DROP, READINGS * least) if accuses_instrument(proposal) else least
 
 
 def is_given(model: Model, location: Mapping[str, object]) -> bool:

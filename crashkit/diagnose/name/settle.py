@@ -4,13 +4,13 @@ from collections.abc import Sequence
 
 from attrs import evolve
 
-from crashkit.diagnose.claims import is_same
+from crashkit.diagnose.claims import accuses_instrument, is_same
 from crashkit.diagnose.fitting.contest import heats
 from crashkit.diagnose.fitting.evidence import FLOOR, Rival, best_forms, by_evidence, explains, is_unknown, ranked_by_evidence
 from crashkit.diagnose.fitting.search import begin_all
 from crashkit.diagnose.name.forms import in_all_forms
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Look, compared, is_of_readings, open_claims
+from crashkit.diagnose.name.look import Look, compared, open_claims
 from crashkit.diagnose.name.rivals import CONCEALED, HEATS
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.protocols import Proposal
@@ -55,7 +55,9 @@ def _challengers(inquiry: Inquiry, look: Look, found: Sequence[Rival]) -> list[P
     size, place = len(winner.proposal.parameters), winner.place
     rivals = [r.proposal for r in others if not is_unknown(r) and len(r.proposal.parameters) < size][:CHALLENGERS]
     claims = [p for p in open_claims(inquiry, look.before, [winner, *found]) if not p.refined and p.physics != UNKNOWN]
-    further = [p for p in claims if place_of(p.location) == place or (len(p.parameters) == 1 < size and not is_of_readings(p))]
+    further = [
+        p for p in claims if place_of(p.location) == place or (len(p.parameters) == 1 < size and not accuses_instrument(p))
+    ]
     return [*rivals, *(p for p in further if not any(is_same(p, rival) for rival in rivals))]
 
 

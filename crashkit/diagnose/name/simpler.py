@@ -2,7 +2,7 @@
 
 from attrs import evolve
 
-from crashkit.diagnose.claims import is_same
+from crashkit.diagnose.claims import accuses_instrument, is_same
 from crashkit.diagnose.fitting.contest import heats, priced
 from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import Rival, is_unknown
@@ -10,7 +10,7 @@ from crashkit.diagnose.fitting.search import begin_all
 from crashkit.diagnose.name.follow import TIE, Discovery
 from crashkit.diagnose.name.forms import with_form
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Look, is_of_readings, open_claims
+from crashkit.diagnose.name.look import Look, open_claims
 from crashkit.diagnose.name.pairs import both
 
 MANY = 4
@@ -43,7 +43,7 @@ def in_fewer_numbers(inquiry: Inquiry, found: Discovery) -> Discovery:
 
 def _best_couple(inquiry: Inquiry, look: Look) -> Couple | None:
     """The couple of the look's rivals of one number that leaves least; None if there is none."""
-    plain = [rival for rival in look.rivals if len(rival.proposal.parameters) == 1 and not is_of_readings(rival.proposal)]
+    plain = [rival for rival in look.rivals if len(rival.proposal.parameters) == 1 and not accuses_instrument(rival.proposal)]
     couples = [couple for first in plain[:LEADERS] for couple in _couples_with(inquiry, first, plain)]
     return min(couples, key=lambda couple: couple.cost, default=None)
 
