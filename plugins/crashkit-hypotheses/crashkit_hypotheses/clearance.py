@@ -29,13 +29,15 @@ class Clearance(Hypothesis):
         ]
 
     def _forms(self, model: Model, joint: Joint, reached: float, motion: Sequence[xr.Dataset]) -> list[Proposal]:
-        gap, toe = self._gap(model, joint, reached), self._toe(model, joint, reached)
+        engaging = [self._gap(model, joint, reached)]
+        if "toe" in joint.parameters:
+            engaging.append(self._toe(model, joint, reached))
         padded, rubbed = f"{joint.law} | pad", f"{joint.law} | rubbing_gap"
         if padded not in load().spring_laws or rubbed not in load().spring_laws:
-            return [gap, toe]
+            return engaging
         force = largest_force(motion, joint.name)
         rubbing = evolve(self._rubbing(model, joint, rubbed, reached, force), refined=True)
-        return [gap, toe, self._padded(model, joint, padded, reached, force), rubbing]
+        return [*engaging, self._padded(model, joint, padded, reached, force), rubbing]
 
     def _gap(self, model: Model, joint: Joint, reached: float) -> Proposal:
         gap = {"clearance": Parameter(0.0, 0.0, reached)}

@@ -329,3 +329,17 @@ def test_sensors_of_one_instrument_on_a_body_that_turns_share_its_frequency(prop
 def _with_both_sensors_on_the_rear(recording):
     sensors = recording["accelerometer"].to_dataset(inherit=False).assign_coords(sensor=["high", "low"])
     return recording.assign(accelerometer=xr.DataTree(sensors.assign(sensor_body=("sensor", ["rear", "rear"]))))
+
+
+@pytest.mark.parametrize("law", sorted(name for name, law in load().spring_laws.items() if law.unit == "N"))
+def test_whatever_the_law_of_a_joint_only_parameters_that_its_law_has_are_proposed(propose, law):
+    toy = toys.two_degrees()
+    specs = load().spring_laws[law].parameters
+    own = {s.name: Parameter(1.0 if s.default is None else s.default, fixed=True) for s in specs if not s.vector}
+    own |= {s.name: (Parameter(1.0, fixed=True),) * 3 for s in specs if s.vector}
+    model = evolve(toy, joints=(toy.joint("first"), evolve(toy.joint("second"), law=law, parameters=own)))
+    for proposal in (one for physics in load().hypotheses for one in propose(physics, model)):
+        assert set(proposal.parameters) <= proposal.model.free_parameters().keys()
+        for joint in proposal.model.joints:
+            known = {spec.name for name in (joint.law, *joint.factors) for spec in load().spring_laws[name].parameters}
+            assert joint.parameters.keys() <= known, (proposal.physics, proposal.form, joint.law)
