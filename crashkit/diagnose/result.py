@@ -61,6 +61,11 @@ class Finding:
     alternatives: tuple[Alternative, ...] = field(default=())
     experiment: str = ""
 
+    @property
+    def anywhere(self) -> float:
+        """The probability of this physics, here or where a rival puts it."""
+        return self.probability + sum(one.probability for one in self.alternatives if one.physics == self.physics)
+
 
 @frozen
 class Fit:

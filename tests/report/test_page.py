@@ -77,7 +77,7 @@ def test_a_finding_says_what_where_when_how_sure_and_what_else(page: Page) -> No
         assert part in text
     assert "rate coefficient 0.02210 ± 0.00060 s/m" in text
     assert "Viscous damping linear joint front 2.1 %" in text
-    assert "The test that would separate them: The same at 4 m/s" in text
+    assert "To tell them apart: The same at 4 m/s" in text
     assert "sensor sill_right (accelerometer)" in text
 
 
@@ -118,8 +118,8 @@ def test_what_was_to_be_expected_of_a_prediction_stands_beside_it(diagnosis):
     held = diagnosis.fits["holdout"]
     vague = evolve(held["after"], expected_rmse=13.2, untold="joint.front.crush_force")
     fits = {**diagnosis.fits, "holdout": {**held, "after": vague}}
-    assert "13.2 to be expected" in render(evolve(diagnosis, fits=fits))
-    assert "to be expected<" not in render(diagnosis)
+    assert "the right model would leave about 13.2" in render(evolve(diagnosis, fits=fits))
+    assert "the right model would leave about" not in render(diagnosis)
 
 
 def test_the_folder_is_self_contained(diagnosis: Diagnosis, tmp_path: Path) -> None:

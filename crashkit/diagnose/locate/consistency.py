@@ -86,10 +86,10 @@ def _rows(comparisons: list[Comparison]) -> list[tuple[str | float, ...]]:
     for error, unit in units.items():
         estimate, std, left = _estimate(comparisons, error)
         sigma = abs(estimate) / std
-        verdict = "inconsistent" if sigma > SIGNIFICANT else "consistent"
+        verdict = "inconsistent (as an error of " if sigma > SIGNIFICANT else "consistent ("
         sentence = (
-            f"{first.accelerometer} against {first.film} on {first.body}: {verdict} "
-            f"(as an error of {error.replace('_', ' ')} {estimate:+.3g} ± {std:.2g}{unit})"
+            f"{first.accelerometer} against {first.film} on {first.body}: {verdict}"
+            f"{error.replace('_', ' ')} {estimate:+.3g} ± {std:.2g}{unit})"
         )
         rows.append(
             (sentence, f"body {first.body}", first.body, first.film, first.accelerometer, error, estimate, std, sigma, left)

@@ -80,14 +80,16 @@ def experiment(best: Misfit, rival: Misfit, name: str, bodies: Sequence[Body]) -
     if speed == 0.0:
         return ""
     sigma = _repeated(duel, duel.best.at_speed(FASTER), duel.rival.at_speed(FASTER))
-    told = f"the same test at {FASTER * speed:.1f} m/s would {{}}separate this from {name}: {sigma:.0f} sigma"
+    faster = f"the same test at {FASTER * speed:.1f} m/s"
     if sigma > SEPARATED:
-        return told.format("")
+        return f"{faster} would separate this from {name}: {sigma:.0f} sigma"
     heavy = [body for body in bodies if body.mass is not None]
     others = [*spread(partial(_heavier, duel), heavy), *_further_instruments(duel, bodies)]
     what, most = max(others, key=lambda one: one[1], default=("", 0.0))
-    better = f"{what} would: {most:.0f} sigma" if most > SEPARATED else "nor would more mass or a further instrument"
-    return f"{told.format('hardly ')}; {better}"
+    if most > SEPARATED:
+        return f"{what} would separate this from {name}: {most:.0f} sigma; {faster} hardly: {sigma:.0f} sigma"
+    tried = f"{faster}, more mass and a further instrument"
+    return f"no test that was tried would separate this from {name}: {tried} give at most {max(sigma, most):.0f} sigma"
 
 
 def _repeated(duel: Duel, best: Misfit, rival: Misfit) -> float:

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from crashkit.campaign import spread
+from crashkit.diagnose.claims import identity
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.result import own_name, place_of
 from crashkit.diagnose.show.left_out import left_out_drop
@@ -45,7 +46,9 @@ def ranking_table(discovery: Discovery) -> xr.Dataset:
 
 def limits_table(workshop: Workshop, discovery: Discovery) -> xr.Dataset:
     """Of every claim that was not made, the smallest effect that the recordings would have shown."""
+    told = {look.leader.identity for look in discovery.findings}
     limits = [one for one in (discovery.last.limits if discovery.last else ()) if np.isfinite(one.smallest)]
+    limits = [one for one in limits if identity(one.proposal) not in told]
     rows = [_limit_row(workshop, discovery.final.groups, one.proposal, one.smallest) for one in limits]
     names = ("physics", "form", "place", "parameter", "smallest", "units")
     columns = list(zip(*rows, strict=True)) if rows else [()] * len(names)

@@ -21,6 +21,8 @@ VERDICTS = {
     "unexplained": "Simulation and recordings differ, and none of the known physics explains it.",
 }
 
+UNASKED = "Simulation and recordings differ; what explains it was not found in the time that was given."
+
 MOST_LIMITS = 5
 FAR = 0.9
 """Relative distance of a number from what was given that is worth a note: three times what it is believed to."""
@@ -122,7 +124,8 @@ def _told_by_all_runs(fit: Fit) -> str:
 def cut_short(diagnosis: Diagnosis, seconds: float) -> Diagnosis:
     """The diagnosis that could not ask everything, and says so."""
     sentence = f"the time for questions was up after {seconds:.0f} s: other causes or forms, or more of them, may fit better"
-    return evolve(diagnosis, summary=f"{diagnosis.summary}\n{sentence}", notes=(sentence, *diagnosis.notes))
+    summary = diagnosis.summary.replace(VERDICTS["unexplained"], UNASKED)
+    return evolve(diagnosis, summary=f"{summary}\n{sentence}", notes=(sentence, *diagnosis.notes))
 
 
 def nothing_predicted(diagnosis: Diagnosis, runs: Sequence[str]) -> Diagnosis:
@@ -163,6 +166,8 @@ def _lines_of(finding: Finding) -> list[str]:
     if finding.alternatives and finding.alternatives[0].probability > 0.01:
         rival = finding.alternatives[0]
         lines.append(f"  or {rival.physics} at {place_of(rival.location)} ({rival.probability:.3f}); {finding.experiment}")
+    if finding.anywhere > finding.probability:
+        lines.append(f"  {finding.physics}, at one of these places: {finding.anywhere:.3f}")
     return lines
 
 

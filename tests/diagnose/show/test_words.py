@@ -5,10 +5,11 @@ from types import SimpleNamespace
 
 import pytest
 import xarray as xr
+from attrs import evolve, fields
 
-from crashkit.diagnose.result import Estimate, Fit
+from crashkit.diagnose.result import Alternative, Diagnosis, Estimate, Finding, Fit
 from crashkit.diagnose.show.fits import is_misleading
-from crashkit.diagnose.show.words import far_off, noted, number, of_prediction
+from crashkit.diagnose.show.words import VERDICTS, cut_short, far_off, noted, number, of_prediction, summarise
 from crashkit.protocols import Status
 
 
@@ -81,6 +82,24 @@ def test_what_held_out_runs_speak_against_is_not_believed(before, after, expecte
     """They are predicted worse than before, though the fitted runs would foretell them."""
     assert is_misleading({"before": Fit(before, xr.Dataset()), "after": Fit(after, xr.Dataset(), expected)}) is misleads
     assert not is_misleading({})
+
+
+def test_where_a_rival_says_the_same_of_another_place_both_are_told_together():
+    def diagnosed(finding):
+        return summarise("missing_physics", [finding], {"calibration": {}, "holdout": {}}, xr.Dataset(), xr.Dataset())
+
+    friction = Finding("joint_friction", "sharp", "it rubs", 0.48, {"joint": "a"}, (), (0.0, 1.0), "both", {})
+    rival = Alternative("joint_friction", "sharp", {"joint": "b"}, 0.48)
+    assert "joint_friction, at one of these places: 0.960" in diagnosed(evolve(friction, alternatives=(rival,)))
+    other = evolve(rival, physics="viscous_damping")
+    assert "at one of these places" not in diagnosed(evolve(friction, alternatives=(other,)))
+
+
+def test_what_was_not_found_in_time_is_not_called_unknown():
+    nothing = dict.fromkeys(field.name for field in fields(Diagnosis))
+    told = cut_short(Diagnosis(**{**nothing, "summary": VERDICTS["unexplained"], "notes": ()}), 5.0)
+    assert told.summary.startswith("Simulation and recordings differ; what explains it was not found in the time")
+    assert told.notes[0].startswith("the time for questions was up after 5 s")
 
 
 def test_without_held_out_runs_nothing_is_said_of_prediction():
