@@ -10,9 +10,9 @@ from crashkit.campaign import one_thread
 from crashkit.diagnose.claims import Progress
 from crashkit.diagnose.fitting.evidence import is_strained
 from crashkit.diagnose.fitting.in_time import TimeLimit, in_time
-from crashkit.diagnose.fitting.reidentify import refine, reidentify
-from crashkit.diagnose.fitting.search import STEPS, Search, begin
-from crashkit.diagnose.fitting.sharpen import ROUGHLY, in_the_light_of, sharpened, weighed_alike
+from crashkit.diagnose.fitting.reidentify import reidentify
+from crashkit.diagnose.fitting.search import STEPS, begin
+from crashkit.diagnose.fitting.sharpen import ROUGHLY, in_the_light_of, sharpened
 from crashkit.diagnose.fitting.thinning import thinned_by
 from crashkit.diagnose.fitting.thresholds import awake
 from crashkit.diagnose.holdout import fitted_together, is_contradicted, leading_looks
@@ -20,15 +20,14 @@ from crashkit.diagnose.name.discover import discover
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look
-from crashkit.diagnose.name.needed import needed, price
 from crashkit.diagnose.name.pace import OutrunError
-from crashkit.diagnose.name.rivals import CONCEALED
 from crashkit.diagnose.name.twins import beside_twins
+from crashkit.diagnose.refining import refined
 from crashkit.diagnose.result import Diagnosis
 from crashkit.diagnose.show.answer import answer
 from crashkit.diagnose.show.words import cut_short, nothing_predicted
 from crashkit.diagnose.workshop import Workshop
-from crashkit.misfit import Misfit, fine_step
+from crashkit.misfit import fine_step
 from crashkit.model import Model
 
 
@@ -86,66 +85,22 @@ def _discovered_in(
     # What strained numbers ask of the rate, the structure does not.
     if not is_strained(base):
         base = sharpened(equipped, model, recordings, base)
-    discovery = _discovered_at_pace(equipped, model, recordings, awake(equipped, given, base), base, looks, progress)
+    awake_given = base.misfit.with_values_of(awake(equipped, given, base))
+    discovery = _discovered_at_pace(Inquiry(equipped, awake_given, base, progress, recordings), looks)
     progress.show("refining", 0.0)
     discovery = beside_twins(equipped, discovery)
-    return equipped, _refined(equipped, discovery, model, recordings)
+    return equipped, refined(equipped, discovery, model, recordings)
 
 
-def _discovered_at_pace(
-    workshop: Workshop,
-    model: Model,
-    recordings: Mapping[str, xr.DataTree],
-    given: Misfit,
-    base: Search,
-    looks: Sequence[Look],
-    progress: TimeLimit,
-) -> Discovery:
+def _discovered_at_pace(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery:
     """What is found in time; where that outruns the recordings as they were thinned, by finer ones."""
-    nothing = Discovery.of(base, base)
-    at_pace = Inquiry(workshop, base.misfit.with_values_of(given), base, progress, recordings)
+    base, workshop = inquiry.base, inquiry.workshop
     try:
-        return in_time(nothing, discover, at_pace, looks)
+        return in_time(Discovery.of(base, base), discover, inquiry, looks)
     except OutrunError as outrun:
         found = outrun.found
-    thin = in_the_light_of(workshop, model, recordings, found.search.fitted())
+    thin = in_the_light_of(workshop, inquiry.given.model, inquiry.unthinned, found.search.fitted())
     base = begin(workshop.identifier, thin.with_values(base.values)).advance(STEPS)
     alone = Look((found,), (1.0,), 0.0, base.fitted())
-    so_far = Discovery.of(base, found.search, (alone,))
-    finer = Inquiry(workshop, base.misfit.with_values_of(given), base, progress)
-    return in_time(so_far, discover, finer, (alone,))
-
-
-def _refined(workshop: Workshop, discovery: Discovery, model: Model, recordings: Mapping[str, xr.DataTree]) -> Discovery:
-    """The base and the final model fitted to more samples, weighed alike, and seen on every sample.
-
-    Open noise levels are now what the final model leaves. What that fit can do without is not told. Numbers that the
-    recordings do not see stay about where the user gave them.
-    """
-    workshop = workshop.equipped([discovery.base.model, discovery.final.model])
-    found = discovery.final.reweighted(discovery.final.start())
-    thin = in_the_light_of(workshop, model, recordings, found)
-    without, final = (workshop.misfit(thin, one.model) for one in (discovery.base, discovery.final))
-    found_with = refine(workshop.identifier, final)
-    found_without = _unexplained(workshop, without) if discovery.findings else found_with
-    findings, *searches = needed(workshop, discovery.findings, found_without, found_with)
-    searches = [sharpened(workshop, model, recordings, search) for search in searches]
-    full = weighed_alike(workshop.first_misfit(model, recordings), found)
-    base, final = (workshop.misfit(full, search.fitted().model) for search in searches)
-    if findings and _is_worthless(findings, base, final):
-        findings, final, searches = (), base, [searches[0]] * 2
-    last = discovery.findings[0] if discovery.findings and not findings else discovery.last
-    return evolve(discovery, base=base, final=final, search=searches[1].unbelieving(), findings=findings, last=last)
-
-
-def _unexplained(workshop: Workshop, misfit: Misfit) -> Search:
-    """The fit of the model as it is. Where it leaves much, other starts are not worth their time: they would have to leave
-    as little as a finding does."""
-    search = begin(workshop.identifier, misfit).advance(STEPS)
-    return search if search.normalised > CONCEALED else refine(workshop.identifier, misfit)
-
-
-def _is_worthless(findings: Sequence[Look], base: Misfit, final: Misfit) -> bool:
-    """Whether all samples together show less than the findings cost: then these explained what thinning had left."""
-    before, after = (misfit.deviance(misfit.residual(misfit.start())) for misfit in (base, final))
-    return before - after < sum(price(look.leader.proposal, final) for look in findings)
+    finer = Inquiry(workshop, base.misfit.with_values_of(inquiry.given), base, inquiry.progress)
+    return in_time(Discovery.of(base, found.search, (alone,)), discover, finer, (alone,))

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from attrs import evolve
 
-from crashkit.diagnose.diagnosis import _is_worthless
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.holdout import leading_looks
@@ -24,6 +23,7 @@ from crashkit.diagnose.name.follow import (
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import LEAST_DROP, Look, is_given, least_drop
 from crashkit.diagnose.name.needed import _asked, needed, price
+from crashkit.diagnose.refining import _is_worthless
 from crashkit.diagnose.show.left_out import left_out_drop
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_body, with_joint

@@ -10,6 +10,7 @@ from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.in_time import OutOfTimeError
 from crashkit.diagnose.name import pace
 from crashkit.diagnose.name.follow import Discovery
+from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.name.pace import OutrunError, check_pace, check_rate
 from crashkit.protocols import Proposal
@@ -95,6 +96,6 @@ def test_all_is_asked_again_of_finer_recordings_and_the_claim_stands_where_time_
         return Discovery(base.fitted(), base.fitted(), base, (Look((evolve(found, drop=1.0),), (1.0,), 0.0, base.fitted()),))
 
     monkeypatch.setattr(diagnosis, "discover", discover)
-    told = diagnosis._discovered_at_pace(workshop, model, {"run": recorded(model)}, given, base, [], None)
+    told = diagnosis._discovered_at_pace(Inquiry(workshop, given, base, None, {"run": recorded(model)}), [])
     assert asked == [({"run": asked[0][0]["run"]}, []), ({}, [found])]
     assert told.findings[0].leader.drop == (1.0 if is_answered else 1000.0)
