@@ -1,28 +1,36 @@
-"""What the command line does, as functions on files; each returns what is to be printed, or the result."""
+"""What the command line does, as functions on files; each returns the result, or what is to be printed.
+
+Files are named by text or by a `Path`. Where several are asked for, one alone stands for a list of it.
+"""
 
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import nullcontext
+from functools import partial
+from os import PathLike
 from pathlib import Path
 from time import monotonic
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from attrs import frozen
 
 from crashkit.campaign import one_thread
+from crashkit.data.files import folder_to_fill
 from crashkit.data.motion import write_motion
 from crashkit.data.netcdf import write_tree
 from crashkit.data.recording import check_recording, read_recording, write_recording
 from crashkit.diagnose import Diagnosis, Workshop, diagnose
 from crashkit.diagnose.result import run_name
-from crashkit.errors import CrashkitError
+from crashkit.errors import CrashkitError, raise_together
 from crashkit.mechanics import simulate
 from crashkit.misfit import Misfit, fine_step
 from crashkit.misfit.bands import predicted_curves
 from crashkit.misfit.cross_check import cross_check
+from crashkit.misfit.together import check_runs, check_together
 from crashkit.model import Model
-from crashkit.model.checks import check_recording_against_model
 from crashkit.model.toml import read_model, write_model
 from crashkit.protocols import Identification, Identifier, Status
 from crashkit.registry import Registry, load
@@ -30,22 +38,73 @@ from crashkit.report import write_json, write_report
 from crashkit.report.cross_check import write_cross_check
 from crashkit.report.identification import as_text, write_identification
 
+__all__ = [
+    "check_files",
+    "cross_check_file",
+    "diagnose_files",
+    "identify_files",
+    "import_recording",
+    "list_channels",
+    "load_model",
+    "load_recordings",
+    "run_demo",
+    "simulate",
+    "simulate_file",
+    "workshop",
+]
+
+File = str | PathLike[str]
+Files = File | Iterable[File]
 Show = Callable[[str], None]
 SIMULATION_INTERVAL = 1e-4
 """s between the instants of a simulation that is written to a file."""
+LONGEST = 100.0
+"""s of such a simulation: the longest roll lasts a tenth of it."""
 PROGRESS_INTERVAL = 2.0
 """s between two lines of progress on the same work."""
 
 
-def load_model(path: Path) -> Model:
-    """A model from its file, checked against the installed laws."""
+def __dir__() -> list[str]:
+    """What people see where they ask for completion."""
+    return __all__
+
+
+def _silent(message: str) -> None:
+    """Progress that nobody follows."""
+
+
+@frozen(repr=False)
+class Identified:
+    """What was found for a model's free parameters; printed, it is the text of the command line.
+
+    Attributes:
+        model: with the values that were found.
+        result: the values with their covariance, what the recordings do not see, the path.
+        curves: predicted curves with their bands, where they were asked for.
+    """
+
+    model: Model
+    result: Identification
+    curves: xr.DataTree | None = None
+
+    def __str__(self) -> str:
+        return as_text(self.result, self.curves)
+
+    __repr__ = __str__
+
+
+def load_model(path: File) -> Model:
+    """A model from its file, checked against the installed laws; raises CrashkitError with every fault."""
     registry = load()
-    return read_model(path, registry.spring_laws, registry.observers)
+    return read_model(_path(path), registry.spring_laws, registry.observers)
 
 
-def load_recordings(paths: Iterable[Path]) -> dict[str, xr.DataTree]:
-    """Recordings by run name (their file names; with the folder where two share a name)."""
-    paths = list(paths)
+def load_recordings(paths: Files) -> dict[str, xr.DataTree]:
+    """Recordings by run name (their file names; with the folder where two share a name).
+
+    Raises CrashkitError for a file that is no recording.
+    """
+    paths = _paths(paths)
     names = [run_name(path) for path in paths]
     schemas = {name: observer.schema for name, observer in load().observers.items()}
     unique = [name if names.count(name) == 1 else str(path) for name, path in zip(names, paths, strict=True)]
@@ -78,151 +137,236 @@ def _load(
     model: Path, runs: Sequence[Path], others: Sequence[Path]
 ) -> tuple[Model, dict[str, xr.DataTree], dict[str, xr.DataTree]]:
     """A model, the recordings to fit and those that are only predicted, each checked against it."""
-    given_twice = [path for path, count in Counter(path.resolve() for path in (*runs, *others)).items() if count > 1]
+    counts = Counter(path.resolve() for path in (*runs, *others))
+    given_twice = [path for path in (*runs, *others) if counts[path.resolve()] > 1]
     if given_twice:
         raise CrashkitError(f"{given_twice[0]}: expected each run once, fitted or held out, found it twice")
     given, everything = load_model(model), load_recordings([*runs, *others])
-    for name, recording in everything.items():
-        check_recording_against_model(recording, given, name)
+    check_runs(given, everything, load().observers)
     pairs = list(everything.items())
     return given, dict(pairs[: len(runs)]), dict(pairs[len(runs) :])
 
 
 def diagnose_files(
-    model: Path,
-    runs: Sequence[Path],
-    holdout: Sequence[Path],
-    output: Path,
-    progress: Show,
+    model: File,
+    runs: Files,
+    holdout: Files = (),
+    output: File | None = None,
+    progress: Show = _silent,
     seconds: float = math.inf,
 ) -> Diagnosis:
-    """Diagnose a model against recordings; writes diagnosis.json, augmented_model.toml and index.html.
+    """Diagnose a model against recordings.
 
     Arguments:
+        model: the model's file (TOML).
+        runs: recordings to fit (netCDF).
+        holdout: recordings that are predicted, not fitted, unless only more physics explains them.
+        output: folder for diagnosis.json, augmented_model.toml and index.html, made if need be; None: nothing is written.
+        progress: told what is being done.
         seconds: after which no further cause is asked for.
+
+    Raises CrashkitError for files that cannot be used, with every fault.
     """
-    given, recordings, unseen = _load(model, runs, holdout)
-    _make_folder(output)
-    result = diagnose(given, recordings, unseen, workshop(), _told(progress), seconds)
-    write_model(result.augmented_model, output / "augmented_model.toml", load().spring_laws)
-    write_report(result, output)
-    write_json(result, output / "diagnosis.json")
+    given, recordings, unseen = _load(_path(model), _paths(runs), _paths(holdout))
+    folder = None if output is None else _path(output)
+    with folder_to_fill(folder) if folder else nullcontext():
+        result = diagnose(given, recordings, unseen, workshop(), _told(progress), seconds)
+        if folder:
+            write_model(result.augmented_model, folder / "augmented_model.toml", load().spring_laws)
+            write_report(result, folder)
+            write_json(result, folder / "diagnosis.json")
     return result
 
 
 @one_thread
 def identify_files(
-    model: Path,
-    runs: Sequence[Path],
-    method: str,
-    progress: Show,
-    predicted: Sequence[Path] = (),
-    output: Path | None = None,
-    document: Path | None = None,
-    curves: Path | None = None,
-) -> str:
-    """Identify a model's free parameters on recordings: what was found, for people.
+    model: File,
+    runs: Files,
+    method: str = "multi_start",
+    progress: Show = _silent,
+    predicted: Files = (),
+    output: File | None = None,
+    document: File | None = None,
+    curves: File | None = None,
+) -> Identified:
+    """Identify a model's free parameters on recordings.
 
     Arguments:
+        model: the model's file (TOML).
+        runs: recordings to fit (netCDF).
         method: an installed identifier.
         progress: told what is being done.
         predicted: recordings that are predicted, not fitted.
-        output: file for the identified model, if it is wanted.
-        document: file for all that the result says, likewise.
-        curves: file for the predicted curves with their bands, of all recordings, likewise.
+        output: file for the identified model; None: it is not written.
+        document: file for all that the result says (JSON), likewise.
+        curves: file for the predicted curves with their bands, of all recordings (netCDF), likewise.
+
+    Raises CrashkitError for files that cannot be used, and where the model cannot be simulated at the start.
     """
     registry = load()
-    given, recordings, others = _load(model, runs, predicted)
+    given, recordings, others = _load(_path(model), _paths(runs), _paths(predicted))
     if not given.free_parameters():
         raise CrashkitError(f"{model}: expected a free parameter, found that all are fixed")
     misfit = Misfit(given, recordings, registry.spring_laws, registry.observers)
     misfit = misfit.with_step(fine_step(misfit))
     result = _identified(registry.identifier(method)(), misfit, progress)
+    found = given.at(result.values)
     if output:
-        write_model(given.with_values(result.values), output, registry.spring_laws)
+        write_model(found, _path(output), registry.spring_laws)
     if document:
-        write_identification(result, method, tuple(recordings), document)
-    if not curves and not predicted:
-        return as_text(result)
+        write_identification(result, method, tuple(recordings), _path(document))
+    if not curves and not others:
+        return Identified(found, result)
     shown = Misfit(given, recordings | others, registry.spring_laws, registry.observers, misfit.simulator.engine, misfit.step)
     bands = predicted_curves(misfit, shown, result)
     if curves:
-        write_tree(bands, curves)
-    return as_text(result, bands)
+        write_tree(bands, _path(curves))
+    return Identified(found, result, bands)
 
 
 def _identified(identifier: Identifier[Any], misfit: Misfit, progress: Show) -> Identification:
     """From start to finish; raises CrashkitError where the model cannot be simulated at the start."""
-    state = identifier.start(misfit)
+    state, steps, tell = identifier.start(misfit), 0, _told(progress)
     while state.status is Status.RUNNING:
-        state = identifier.step(misfit, state)
-        progress(f"cost {state.cost:.6g}")
+        state, steps = identifier.step(misfit, state), steps + 1
+        tell(f"step {steps}: cost {state.cost:.6g}", 0.0)
     if state.status is Status.FAILED:
         raise CrashkitError(f"{identifier.name}: {Status.FAILED.value}")
     return identifier.finish(misfit, state)
 
 
-def simulate_file(model: Path, duration: float, output: Path) -> str:
-    """Simulate a model from its own initial state; writes the motion."""
-    if not 0.0 < duration < np.inf:
-        raise CrashkitError(f"duration: expected a positive number of seconds, found {duration}")
+def simulate_file(model: File, duration: float, output: File) -> str:
+    """Simulate a model from its own initial state, and write the motion.
+
+    Arguments:
+        model: the model's file (TOML).
+        duration: s, from t = 0.
+        output: file for the motion (netCDF).
+
+    Returns:
+        what is to be printed.
+
+    Raises CrashkitError for a file or a duration that cannot be used.
+    """
+    if not 0.0 < duration <= LONGEST:
+        raise CrashkitError(f"duration: expected a positive number of seconds, at most {LONGEST:g}, found {duration:g}")
     times = np.linspace(0.0, duration, 1 + max(1, round(duration / SIMULATION_INTERVAL)))
-    write_motion(simulate(load_model(model), times, load().spring_laws), output)
+    write_motion(simulate(load_model(model), times), _path(output))
     return f"wrote {output}"
 
 
-def cross_check_file(recording: Path, film: str, accelerometer: str, known_velocity: bool, output: Path) -> str:
-    """Film against accelerometers of a recording; writes cross_check.nc and index.html, returns the verdicts."""
+def cross_check_file(
+    recording: File,
+    film: str = "film",
+    accelerometer: str = "accelerometer",
+    known_velocity: bool = False,
+    output: File | None = None,
+) -> str:
+    """Film against accelerometers of a recording.
+
+    Arguments:
+        recording: its file (netCDF).
+        film: the group that saw the displacements.
+        accelerometer: the group that felt the accelerations.
+        known_velocity: whether the velocity of the group `initial` holds; else it is free.
+        output: folder for cross_check.nc and index.html, made if need be; None: nothing is written.
+
+    Returns:
+        the verdicts, to be printed.
+
+    Raises CrashkitError for a recording that cannot be used.
+    """
     tree = next(iter(load_recordings([recording]).values()))
     try:
         check = cross_check(tree, load().observers, film, accelerometer, known_velocity)
     except CrashkitError as error:
         raise CrashkitError(f"{recording}: {error}") from error
-    _make_folder(output)
-    write_tree(xr.DataTree(check), output / "cross_check.nc")
-    write_cross_check(check, run_name(recording), output)
-    return "\n".join(check["sentence"].values.tolist())
+    if output is not None:
+        with folder_to_fill(_path(output)):
+            write_tree(xr.DataTree(check), _path(output) / "cross_check.nc")
+            write_cross_check(check, run_name(_path(recording)), _path(output))
+    return "\n".join([*check["sentence"].values.tolist(), *filter(None, [check.attrs["not_compared"]])])
 
 
-def list_channels(name: str, source: Path) -> str:
-    """The channels that a source of some format holds, as a table."""
-    table = load().importer(name)().channels(source)
+def list_channels(name: str, source: File) -> str:
+    """The channels that a source (a folder or a file) of an installed format holds, as a table to be printed."""
+    table = load().importer(name)().channels(_path(source))
     return table.to_dataframe().to_string()
 
 
-def import_recording(name: str, source: Path, output: Path, channels: Sequence[str], options: Mapping[str, str]) -> str:
-    """A laboratory's own files as a recording."""
-    recording = load().importer(name)().read(source, channels, options)
+def import_recording(
+    name: str, source: File, output: File, channels: Sequence[str], options: Mapping[str, str] | None = None
+) -> str:
+    """Write a laboratory's own files as a recording.
+
+    Arguments:
+        name: of an installed format, such as "nhtsa".
+        source: folder or file.
+        output: file for the recording (netCDF).
+        channels: "CHANNEL=BODY:SENSOR", each a channel and the model's body that it sees.
+        options: of the format.
+
+    Returns:
+        what is to be printed.
+
+    Raises CrashkitError for a source that cannot be used.
+    """
+    recording = load().importer(name)().read(_path(source), channels, options or {})
     check_recording(recording, {kind: observer.schema for kind, observer in load().observers.items()}, str(source))
-    write_recording(recording, output)
+    write_recording(recording, _path(output))
     return f"wrote {output}"
 
 
-def check_files(paths: Iterable[Path]) -> str:
-    """Validate recordings (netCDF) and models (TOML); one line for each that is as it should be."""
-    return "\n".join(_check(path) for path in paths)
+def check_files(paths: Files) -> str:
+    """Validate recordings (netCDF) and models (TOML), each alone and then each model with all recordings.
+
+    Returns:
+        one line for each file that is as it should be.
+
+    Raises CrashkitError with the faults of all files.
+    """
+    paths = _paths(paths)
+    models: dict[Path, Model] = {}
+    recordings: dict[str, xr.DataTree] = {}
+    raise_together([partial(_check, path, models, recordings) for path in paths])
+    observers, pairs = load().observers, models.items() if recordings else ()
+    raise_together([partial(check_together, model, recordings, observers, str(path)) for path, model in pairs])
+    return "\n".join(f"{path}: as it should be" for path in paths)
 
 
-def run_demo(seed: int | None, output: Path, open_page: bool, progress: Show) -> str:
-    """Conceal a piece of physics in made-up recordings, diagnose them without the secret, and open the seal."""
+def run_demo(seed: int | None = None, output: File = "demo", open_page: bool = True, progress: Show = _silent) -> str:
+    """Conceal a piece of physics in made-up recordings, diagnose them without the secret, and open the seal.
+
+    Arguments:
+        seed: which secret; None: a new one each time.
+        output: folder for everything.
+        open_page: whether to show the page in a browser, if there is one.
+        progress: told what is being done.
+
+    Returns:
+        the answer and whether it was right, to be printed.
+    """
     from crashkit.demo import run
 
-    return run(seed, output, open_page, progress)
+    return run(seed, _path(output), open_page, progress)
 
 
-def _check(path: Path) -> str:
+def _path(file: File) -> Path:
+    if not isinstance(file, str | PathLike):
+        raise CrashkitError(f"expected a path, found {file!r}")
+    return Path(file)
+
+
+def _paths(files: Files) -> list[Path]:
+    return [_path(file) for file in ([files] if isinstance(files, str | PathLike) else files)]
+
+
+def _check(path: Path, models: dict[Path, Model], recordings: dict[str, xr.DataTree]) -> None:
+    """Check a file alone, and keep what it holds."""
     if path.suffix == ".toml":
-        load_model(path)
+        models[path] = load_model(path)
     else:
-        load_recordings([path])
-    return f"{path}: as it should be"
-
-
-def _make_folder(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise CrashkitError(f"{folder}: expected a folder to write to, found {error.strerror}") from error
+        recordings[str(path)] = next(iter(load_recordings([path]).values()))
 
 
 def _told(progress: Show) -> Callable[[str, float], None]:
@@ -234,6 +378,6 @@ def _told(progress: Show) -> Callable[[str, float], None]:
         work, now = doing.split()[0], monotonic()
         if work != last or now - told > PROGRESS_INTERVAL:
             last, told = work, now
-            progress(f"{doing} ({100 * share:.0f} %)" if share else doing)
+            progress(doing)
 
     return tell

@@ -12,8 +12,10 @@ from typing import Any
 import numpy as np
 
 from crashkit import api
+from crashkit.data.files import folder_to_fill
 from crashkit.diagnose import Diagnosis
 from crashkit.diagnose.result import place_of
+from crashkit.errors import CrashkitError
 from crashkit.registry import load
 from crashkit.testing.concealed import EFFECTS, Case, make_case, read_answer, write_answer, write_case
 
@@ -35,13 +37,13 @@ def run(seed: int | None, output: Path, open_page: bool, progress: Callable[[str
         the answer, where the page is, and whether the answer was right.
     """
     seed = secrets.randbelow(SEEDS) if seed is None else seed
-    progress(f"making a crash with a secret in it (to see it again: crashkit demo --seed {seed})")
-    folder, case = output / "case", conceal(seed)
-    write_case(case, folder)
-    write_answer(case.answer, folder / "answer.json")
-    diagnosis = api.diagnose_files(
-        folder / "model.toml", sorted(folder.glob("run_*.nc")), sorted(folder.glob("holdout_*.nc")), output, progress
-    )
+    with folder_to_fill(output):
+        progress(f"making a crash with a secret in it (to see it again: crashkit demo --seed {seed})")
+        folder, case = output / "case", conceal(seed)
+        write_case(case, folder)
+        write_answer(case.answer, folder / "answer.json")
+    runs, unseen = (sorted(folder.glob(f"{kind}_*.nc")) for kind in ("run", "holdout"))
+    diagnosis = api.diagnose_files(folder / "model.toml", runs, unseen, output, progress)
     page = output / "index.html"
     if open_page:
         _show(page)
@@ -58,12 +60,12 @@ def conceal(seed: int) -> Case:
             return make_case(seed, (str(physics),), size, plain=True)
         except ValueError:  # not every physics can be that plain to see in every crash
             continue
-    raise LookupError(f"no physics can be concealed with seed {seed}")
+    raise CrashkitError(f"seed {seed}: expected one that conceals a physics, found none that fits its crash")
 
 
 def reveal(diagnosis: Diagnosis, answer: dict[str, Any]) -> str:
-    """What was concealed, and whether that, and nothing else, was found."""
-    told = [f"{e['physics']} ({e['form']}) at {place_of({e['kind']: e['place']})}" for e in answer["secrets"]]
+    """What was concealed, and whether that, and nothing else, was found: physics and place count, the form does not."""
+    told = [f"{e['physics']} at {place_of({e['kind']: e['place']})}" for e in answer["secrets"]]
     found = {_claim(f.physics, kind, place) for f in diagnosis.findings for kind, place in f.location.items()}
     right = {_claim(*accepted) for accepted in answer["accept"]}
     others = [f for f in diagnosis.findings if not any(_claim(f.physics, k, p) in right for k, p in f.location.items())]

@@ -1,6 +1,7 @@
 """The errors that a user can mend: printed as lines, never as a traceback."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from difflib import get_close_matches
 
 from attrs import frozen
 
@@ -32,3 +33,20 @@ class ContractError(CrashkitError):
 
 class SimulationError(CrashkitError):
     """A simulation that could not be carried to its end."""
+
+
+def raise_together(checks: Iterable[Callable[[], object]]) -> None:
+    """Make every check, and raise one CrashkitError with the lines of all that failed."""
+    told = []
+    for check in checks:
+        try:
+            check()
+        except CrashkitError as error:
+            told.append(str(error))
+    if told:
+        raise CrashkitError("\n".join(told))
+
+
+def did_you_mean(found: str, known: Iterable[str]) -> str:
+    """` (did you mean "crush_force"?)` where a known name is close to the one that was found; else nothing."""
+    return "".join(f' (did you mean "{name}"?)' for name in get_close_matches(found, list(known), n=1))

@@ -2,6 +2,9 @@
 
 import json
 import re
+import subprocess
+import sys
+from inspect import isfunction
 from pathlib import Path
 
 import numpy as np
@@ -9,10 +12,12 @@ import pytest
 import xarray as xr
 from attrs import evolve
 
+import crashkit
 from crashkit import api
 from crashkit.cli import main
 from crashkit.data.recording import read_recording, write_recording
 from crashkit.diagnose import Workshop
+from crashkit.errors import CrashkitError
 from crashkit.mechanics import Simulator
 from crashkit.model.toml import write_model
 from crashkit.registry import load
@@ -177,6 +182,56 @@ def test_a_duration_that_is_none_is_refused(given, tmp_path, capsys, duration):
     assert main(line) == 2
     assert "duration: expected a positive number of seconds" in capsys.readouterr().err
     assert not (tmp_path / "motion.nc").exists()
+
+
+def test_files_are_named_by_text_or_by_a_path_and_one_stands_for_a_list(given):
+    model, run = given / "model.toml", given / "run.nc"
+    assert api.load_model(str(model)) == api.load_model(model)
+    for one in (str(run), run, [str(run)], iter([run])):
+        assert list(api.load_recordings(one)) == ["run.nc"]
+    assert api.check_files(str(model)) == f"{model}: as it should be"
+    assert api.check_files([str(model), run]) == f"{model}: as it should be\n{run}: as it should be"
+
+
+@pytest.mark.parametrize("ask", [api.load_model, api.load_recordings, api.check_files])
+def test_what_is_no_path(ask):
+    wrong = 3 if ask is api.load_model else [3]
+    with pytest.raises(CrashkitError, match="^expected a path, found 3$"):
+        ask(wrong)
+
+
+def test_what_need_not_be_said(quick, given, tmp_path, monkeypatch):
+    """Nothing is held out, nobody follows, nothing is written."""
+    monkeypatch.chdir(tmp_path)
+    result = api.diagnose_files(str(given / "model.toml"), str(given / "run.nc"))
+    assert result.verdict == "consistent"
+    assert repr(result) == f"diagnosis: consistent\n{result.summary}"
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_identification_is_an_object_that_prints_as_the_command_does(given):
+    found = api.identify_files(str(given / "model.toml"), str(given / "run.nc"), output=None)
+    assert str(found) == repr(found)
+    assert str(found).startswith("converged")
+    path = "joint.first.crush_force"
+    assert found.model.parameters()[path].value == found.result.values[path] == pytest.approx(24000.0, rel=0.01)
+    assert found.curves is None
+
+
+def test_completion_offers_the_public_functions():
+    assert dir(api) == sorted(api.__all__)
+    assert all(callable(getattr(api, name)) for name in api.__all__)
+    functions = {name for name, one in vars(api).items() if isfunction(one) and one.__module__ == "crashkit.api"}
+    assert {name for name in functions if not name.startswith("_")} <= set(api.__all__)
+
+
+def test_the_package_offers_its_rooms_and_loads_none():
+    assert dir(crashkit) == sorted(crashkit.__all__)
+    assert all(getattr(crashkit, name).__name__ == f"crashkit.{name}" for name in crashkit.__all__)
+    with pytest.raises(AttributeError, match=r"^module 'crashkit' has no attribute 'colour'$"):
+        crashkit.colour  # noqa: B018
+    code = "import sys, crashkit; assert not [m for m in sys.modules if m.startswith(('crashkit.', 'numpy', 'xarray'))]"
+    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_runs_of_one_name_keep_their_folders(given, tmp_path):

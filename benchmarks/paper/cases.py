@@ -111,7 +111,7 @@ def start_of(case: Case, printed: bool = False) -> Model:
     else:
         first, second, (eta, rho) = case.first[:4], case.first[4:8], case.first[8:]
         started = toys.two_degrees(1.0, _rear_mass(eta, printed), _spring(first), _spring(second), rho)
-    model = truth.with_values({path: parameter.value for path, parameter in started.free_parameters().items()})
+    model = truth.at({path: parameter.value for path, parameter in started.free_parameters().items()})
     if case.clamped:
         known = {path: p for path, p in truth.free_parameters().items() if path.endswith(THRESHOLDS)}
         model = model.with_parameters({path: evolve(p, fixed=True) for path, p in known.items()})

@@ -67,7 +67,7 @@ def _line(case: Case, printed: bool, method: str) -> Line:
     begin = process_time()
     values = searched(load().identifier(method)(), misfit, PATIENCE)
     elapsed = process_time() - begin
-    model = truth_of(case, printed).with_values(dict(zip(misfit.names, values.tolist(), strict=True)))
+    model = truth_of(case, printed).at(dict(zip(misfit.names, values.tolist(), strict=True)))
     return Line(case, printed, method, numbers(model, printed), elapsed)
 
 

@@ -1,4 +1,4 @@
-"""Whether recordings and models keep the data contract."""
+"""Whether recordings and models keep the data contract, and models and recordings belong together."""
 
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
@@ -13,7 +13,7 @@ def register(commands: Any) -> None:
 
 
 def run(arguments: Namespace) -> None:
-    """Check every file; faults are raised together."""
+    """Check every file, and each model with all recordings; faults are raised together."""
     from crashkit import api
 
     print(api.check_files(arguments.files))

@@ -4,6 +4,11 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import Any
 
+from crashkit.cli import progress
+
+WRITTEN = ("index.html", "cross_check.nc")
+"""In the folder for the report."""
+
 
 def register(commands: Any) -> None:
     """Add the command."""
@@ -26,6 +31,10 @@ def register(commands: Any) -> None:
 def run(arguments: Namespace) -> None:
     """Compare, write the report, print the verdicts."""
     from crashkit import api
+    from crashkit.data.files import check_outputs
 
+    outputs = [arguments.output / name for name in WRITTEN]
+    check_outputs([arguments.recording], outputs)
     groups = arguments.film, arguments.accelerometer
     print(api.cross_check_file(arguments.recording, *groups, arguments.known_velocity, arguments.output))
+    progress.tell_written(outputs)

@@ -8,6 +8,8 @@ from crashkit.cli import progress
 
 TIME_LIMIT = 180.0
 """s for questions."""
+WRITTEN = ("index.html", "diagnosis.json", "augmented_model.toml")
+"""In the folder for the report."""
 
 
 def register(commands: Any) -> None:
@@ -38,7 +40,10 @@ def register(commands: Any) -> None:
 def run(arguments: Namespace) -> None:
     """Diagnose, write the report, print the answer."""
     from crashkit import api
+    from crashkit.data.files import check_outputs
 
+    outputs = [arguments.output / name for name in WRITTEN]
+    check_outputs([arguments.model, *arguments.runs, *arguments.holdout], outputs)
     diagnosis = api.diagnose_files(
         arguments.model,
         arguments.runs,
@@ -48,6 +53,7 @@ def run(arguments: Namespace) -> None:
         seconds=arguments.time_limit,
     )
     print(diagnosis.summary)
+    progress.tell_written(outputs)
 
 
 def _seconds(text: str) -> float:

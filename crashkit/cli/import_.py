@@ -1,8 +1,10 @@
 """A laboratory's own files as a recording."""
 
-from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import Any
+
+from crashkit.cli import options
 
 
 def register(commands: Any) -> None:
@@ -12,7 +14,7 @@ def register(commands: Any) -> None:
     parser.add_argument("source", metavar="SOURCE", type=Path, help="folder or file")
     action = parser.add_mutually_exclusive_group(required=True)
     action.add_argument("--list", action="store_true", help="show the channels that the source holds")
-    action.add_argument("--output", metavar="FILE.nc", type=Path, help="file for the recording (netCDF)")
+    action.add_argument("--output", metavar="FILE.nc", type=options.file_with(".nc"), help="file for the recording (netCDF)")
     parser.add_argument(
         "--channel",
         metavar="CHANNEL[+CHANNEL...]=BODY[:SENSOR]",
@@ -21,7 +23,7 @@ def register(commands: Any) -> None:
         help="a channel and the model's body that it sees; the format says how channels joined by + become one",
     )
     parser.add_argument(
-        "--option", metavar="KEY=VALUE", type=_pair, action="append", default=[], help="an option of the format"
+        "--option", metavar="KEY=VALUE", type=options.pair, action="append", default=[], help="an option of the format"
     )
     parser.set_defaults(run=run)
 
@@ -29,16 +31,11 @@ def register(commands: Any) -> None:
 def run(arguments: Namespace) -> None:
     """Write the recording, or list the channels."""
     from crashkit import api
+    from crashkit.data.files import check_outputs
 
     if arguments.list:
         print(api.list_channels(arguments.format, arguments.source))
     else:
-        options = dict(arguments.option)
-        print(api.import_recording(arguments.format, arguments.source, arguments.output, arguments.channel, options))
-
-
-def _pair(text: str) -> tuple[str, str]:
-    key, equals, value = text.partition("=")
-    if not (key and equals):
-        raise ArgumentTypeError(f"expected KEY=VALUE, found {text!r}")
-    return key, value
+        check_outputs([arguments.source], [arguments.output])
+        told = dict(arguments.option)
+        print(api.import_recording(arguments.format, arguments.source, arguments.output, arguments.channel, told))

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import xarray as xr
 
-from crashkit.errors import CrashkitError
+from crashkit.errors import CrashkitError, did_you_mean
 from crashkit.protocols import Observer, ParameterSpec, SensorErrors
 
 ROCKING = (
@@ -64,7 +64,8 @@ def error_values(
         here = np.array([[place in ("", channel, f"{channel}/{axis}") for axis in axes] for channel in channels])
         for name, value in given.items():
             if name not in known:
-                raise CrashkitError(f"{observer.name} {place!r}: expected an error of {sorted(known)}, found {name!r}")
+                found = f"{name!r}{did_you_mean(name, known)}"
+                raise CrashkitError(f"{observer.name} {place!r}: expected an error of {sorted(known)}, found {found}")
             values[name][here.reshape(shape)] = value
     return values
 

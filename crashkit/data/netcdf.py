@@ -20,6 +20,8 @@ def read_tree(path: str | Path) -> xr.DataTree:
     path = Path(path)
     if path.is_dir():
         raise CrashkitError(f"{path}: expected a netCDF file, found a folder")
+    if path.suffix == ".toml":
+        raise CrashkitError(f"{path}: expected a netCDF file, found a model (TOML)")
     if not path.exists():
         raise CrashkitError(f"{path}: expected a netCDF file, found no such file")
     try:

@@ -87,7 +87,7 @@ class Fit:
     together_rmse: float = math.nan
 
 
-@frozen
+@frozen(repr=False)
 class Diagnosis:
     """The answer to: do simulation and recording differ, where, why, and does modelling it help.
 
@@ -126,6 +126,9 @@ class Diagnosis:
     identified: xr.Dataset
     notes: tuple[str, ...] = field(default=())
     detectable: xr.Dataset = field(factory=xr.Dataset)
+
+    def __repr__(self) -> str:
+        return f"diagnosis: {self.verdict}\n{self.summary}"
 
 
 def place_of(location: Mapping[str, object]) -> str:

@@ -11,12 +11,13 @@ from attrs import evolve
 from numpy.typing import ArrayLike
 
 from crashkit.errors import CrashkitError
+from crashkit.mechanics.checks import check_step, checked_times
 from crashkit.mechanics.kernel.arrays import Floats
 from crashkit.mechanics.kernel.run import DONE
 from crashkit.mechanics.layout import DOF, Layout
 from crashkit.mechanics.motion import UNITS, dims_of, recorded
 from crashkit.mechanics.run import bodies_of, joints_of, prepare, record_of, work_of
-from crashkit.mechanics.simulator import NO_HISTORY, Simulator, checked, with_knots
+from crashkit.mechanics.simulator import NO_HISTORY, Simulator, with_knots
 
 BATCH = 64_000_000
 """Bytes of records that are held at a time."""
@@ -47,13 +48,18 @@ def simulate_many(
         The quantities with a first dim `run`, and `status(run)`, a sentence. A run that failed is NaN throughout.
 
     Raises:
-        CrashkitError: numbers of runs that differ, a path or quantity that is not there, times that cannot be used.
+        CrashkitError: numbers of runs that differ, a path or quantity that is not there, a value that the model's file could
+            not hold, times or a step that cannot be used.
     """
-    instants = checked(times)
+    instants, step = checked_times(times), check_step(step)
     columns = {path: np.atleast_1d(np.asarray(column, float)) for path, column in values.items()}
     lengths = {column.size for column in columns.values() if column.size > 1}
-    if len(lengths) > 1 or any(column.ndim > 1 for column in columns.values()):
-        raise CrashkitError(f"expected one number for each run at every path, found {sorted(lengths)} numbers")
+    if len(lengths) > 1 or any(column.ndim > 1 or not column.size for column in columns.values()):
+        found = sorted(lengths) if lengths else 0
+        raise CrashkitError(f"expected one number for each run at every path, found {found} numbers")
+    finite = {path: column[np.isfinite(column)] for path, column in columns.items()}  # a run that is not fails alone
+    for extreme in (np.min, np.max):
+        simulator.allowed.check({path: float(extreme(column)) for path, column in finite.items() if column.size})
     runs = lengths.pop() if lengths else 1
     unknown = set(quantities) - UNITS.keys()
     if unknown:

@@ -6,11 +6,13 @@ from typing import Any
 import numpy as np
 from attrs import frozen
 
-from crashkit.errors import CrashkitError
+from crashkit.data.validate import shown
+from crashkit.errors import CrashkitError, did_you_mean
 from crashkit.mechanics.given import given_table, imposed_start
 from crashkit.mechanics.kernel.arrays import Floats, Integers
 from crashkit.mechanics.laws.source import LawFunction
 from crashkit.model import Body, Joint, Model, Parameter
+from crashkit.model.choice import choice_fault
 from crashkit.protocols import ParameterSpec, SpringLaw
 
 Laws = Mapping[str, type[SpringLaw]]
@@ -69,8 +71,19 @@ class Layout:
     def place(self, path: str) -> Place:
         """Where a parameter sits; raises CrashkitError for a path the model does not have."""
         if path not in self.places:
-            raise CrashkitError(f"expected a parameter of the model, found {path}")
+            hint = did_you_mean(path, self.places)
+            raise CrashkitError(f"expected a parameter of the model, found {shown(path)}{hint}")
         return self.places[path]
+
+    def declared(self) -> dict[str, ParameterSpec]:
+        """What its law declares of each parameter, by path."""
+        return {
+            path: spec
+            for joint, functions in zip(self.joints, self.functions, strict=True)
+            for function in functions
+            for spec in function.law.parameters
+            for path in _paths(f"joint.{joint}.{spec.name}", function.lengths()[spec.name] if spec.vector else None)
+        }
 
     def increasing(self) -> list[list[str]]:
         """The paths of each list of numbers that must increase."""
@@ -81,6 +94,13 @@ class Layout:
             for spec in function.law.parameters
             if spec.increasing
         ]
+
+
+def installed_laws() -> Laws:
+    """The spring laws and factors of all plugins."""
+    from crashkit.registry import load  # where laws are given, mechanics knows of no plugins
+
+    return load().spring_laws
 
 
 def lay_out(model: Model, laws: Laws) -> Layout:
@@ -136,9 +156,7 @@ def functions_of_joint(joint: Joint, laws: Laws) -> Iterator[LawFunction]:
     for name in (joint.law, *joint.factors):
         law = laws.get(name)
         if law is None:
-            raise CrashkitError(
-                f"joint {joint.name}: expected a law that is installed ({', '.join(sorted(laws))}), found {name}"
-            )
+            raise CrashkitError(str(choice_fault(f"joint {joint.name}", "installed laws", name, sorted(laws))))
         expected = "N" if name == joint.law else "1"
         if law.unit != expected:
             raise CrashkitError(f"joint {joint.name}: expected a function with unit {expected}, found {name} with {law.unit}")
@@ -246,6 +264,11 @@ def _places(model: Model) -> Iterator[tuple[str, Place]]:
         yield f"joint.{joint.name}.free_length", ("free_lengths", (j,))
         for end in range(2):
             yield from _indexed(f"joint.{joint.name}.points[{end}]", [("points", (j, end, k)) for k in range(count)])
+
+
+def _paths(path: str, length: int | None) -> list[str]:
+    """Of one number, or of each in a list."""
+    return [path] if length is None else [f"{path}[{i}]" for i in range(length)]
 
 
 def _indexed(path: str, places: list[Place]) -> Iterator[tuple[str, Place]]:

@@ -1,6 +1,7 @@
 """Simulation of a model, with sensitivities to any of its parameters."""
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 import xarray as xr
@@ -8,10 +9,11 @@ from numpy.typing import ArrayLike
 
 from crashkit.errors import CrashkitError, SimulationError
 from crashkit.mechanics.adjoint import history_of, seeds_of, sweep_back
+from crashkit.mechanics.checks import Allowed, check_step, checked_times
 from crashkit.mechanics.engine import Engine, compile_engine
 from crashkit.mechanics.kernel.arrays import START, Floats, Record, Work
 from crashkit.mechanics.kernel.run import DONE, FULL, MEETING, NOT_FINITE
-from crashkit.mechanics.layout import Laws, Layout, functions_of, lay_out
+from crashkit.mechanics.layout import Laws, Layout, functions_of, installed_laws, lay_out
 from crashkit.mechanics.motion import XYZ, motion_of
 from crashkit.mechanics.run import prepare, record_of, work_of
 from crashkit.model import Model
@@ -25,7 +27,7 @@ class Simulator:
 
     Arguments:
         model: in one, two or three axes.
-        laws: the spring laws and factors by name.
+        laws: the spring laws and factors by name; None: those that are installed.
         engine: one for as many axes that holds the model's functions (see `functions_of`), to share between models; None:
             one of its own.
 
@@ -33,7 +35,8 @@ class Simulator:
         CrashkitError: the model cannot be simulated: a law that is not installed, a parameter without a value.
     """
 
-    def __init__(self, model: Model, laws: Laws, engine: Engine | None = None) -> None:
+    def __init__(self, model: Model, laws: Laws | None = None, engine: Engine | None = None) -> None:
+        laws = installed_laws() if laws is None else laws
         self.model = model
         self.layout = lay_out(model, laws)
         self._functions = functions_of(model, laws)
@@ -55,6 +58,14 @@ class Simulator:
                 "joint_support": ("joint", np.array([joint.support for joint in model.joints], dtype=bool)),
             }
         )
+
+    def __repr__(self) -> str:
+        return f"Simulator of {self.model!r}"
+
+    @cached_property
+    def allowed(self) -> Allowed:
+        """The values that users may give to a run."""
+        return Allowed.of(self.model, self.layout)
 
     def run(
         self,
@@ -85,12 +96,25 @@ class Simulator:
             orientation is `rotation_sensitivity`, a small rotation vector in the laboratory frame.
 
         Raises:
-            CrashkitError: a path the model does not have, times that cannot be used, or sensitivities of a law that has none.
+            CrashkitError: a path the model does not have, a value that its file could not hold, times or a step that cannot be
+                used, or sensitivities of a law that has none.
             SimulationError: the motion is not finite, or it does not get past some time.
         """
-        instants = checked(times)
-        record = self.record(instants, values, initial, sensitivities, step)
-        return motion_of(record, instants, self.model.axes, self.names, sensitivities)
+        instants = checked_times(times)
+        self.allowed.check(values or {})
+        return self.motion(instants, values, initial, sensitivities, check_step(step))
+
+    def motion(
+        self,
+        times: Floats,
+        values: Mapping[str, float] | None = None,
+        initial: xr.Dataset | None = None,
+        sensitivities: Sequence[str] = (),
+        step: float = 1e-4,
+    ) -> xr.Dataset:
+        """The same for searches: arguments as of `run`, the times, the values and the step unchecked."""
+        record = self.record(times, values, initial, sensitivities, step)
+        return motion_of(record, times, self.model.axes, self.names, sensitivities)
 
     def record(
         self,
@@ -100,7 +124,7 @@ class Simulator:
         sensitivities: Sequence[str] = (),
         step: float = 1e-4,
     ) -> Record:
-        """The same as plain arrays, without the cost of a Dataset; arguments as of `run`, the times unchecked."""
+        """The same as plain arrays, without the cost of a Dataset; arguments as of `motion`."""
         if sensitivities:
             self.engine.check_derivatives(self._functions)
         layout = prepare(self.layout, values or {}, initial)
@@ -136,12 +160,13 @@ class Simulator:
             The derivative to each parameter, dim `parameter`.
 
         Raises:
-            CrashkitError: a law that has no derivatives; a quantity that a motion does not have.
+            CrashkitError: a law that has no derivatives; a quantity that a motion does not have; what `run` refuses.
         """
-        instants = checked(times)
+        instants = checked_times(times)
+        self.allowed.check(values or {})
         paths = list(self.model.free_parameters() if parameters is None else parameters)
         seeds = seeds_of(weights, instants, self.model.axes, self.names)
-        gradient = self.gradient(instants, seeds, paths, values, initial, step)
+        gradient = self.gradient(instants, seeds, paths, values, initial, check_step(step))
         return xr.DataArray(gradient, {"parameter": paths}, ["parameter"], name="gradient")
 
     def gradient(
@@ -195,13 +220,13 @@ class Simulator:
 def simulate(
     model: Model,
     times: ArrayLike,
-    laws: Laws,
+    laws: Laws | None = None,
     values: Mapping[str, float] | None = None,
     initial: xr.Dataset | None = None,
     sensitivities: Sequence[str] = (),
     step: float = 1e-4,
 ) -> xr.Dataset:
-    """The motion of a model at `times`: one `Simulator.run`."""
+    """The motion of a model at `times`: one `Simulator.run`; `laws` None: those that are installed."""
     return Simulator(model, laws).run(times, values, initial, sensitivities, step)
 
 
@@ -209,13 +234,3 @@ def with_knots(times: Floats, layout: Layout) -> Floats:
     """The times asked for, and those at which what is given changes its slope."""
     knots = layout.given[:, 0]
     return np.union1d(times, knots[knots < times[-1]]) if knots.size > 1 else times
-
-
-def checked(times: ArrayLike) -> Floats:
-    """Times as an array; raises CrashkitError for what cannot be used."""
-    instants = np.ascontiguousarray(times, dtype=float)
-    if instants.ndim != 1 or instants.size == 0 or not np.all(np.isfinite(instants)):
-        raise CrashkitError(f"expected times in one dimension, all finite, found an array of shape {instants.shape}")
-    if instants[0] < 0.0 or np.any(np.diff(instants) <= 0.0):
-        raise CrashkitError("expected times that increase from 0 or later, found times that go back or begin before 0")
-    return instants

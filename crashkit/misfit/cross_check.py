@@ -1,6 +1,6 @@
 """Film against accelerometers: does the displacement that one saw follow from the acceleration that the other felt?"""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -8,7 +8,7 @@ from attrs import frozen
 from scipy.linalg import solve_triangular
 from scipy.stats import chi2
 
-from crashkit.errors import CrashkitError
+from crashkit.errors import CrashkitError, did_you_mean
 from crashkit.misfit.double_integral import Route, Watcher
 from crashkit.protocols import Observer
 
@@ -47,26 +47,46 @@ def cross_check(
         Dataset with the dims of the film: displacements `film` and `accelerometer` with `film_std` and `accelerometer_std`,
         and `difference` with `difference_std`; by `body`: `chi_square`, `degrees_of_freedom`, `probability` (of a difference
         as large by chance), `consistent`, `detectable_gain` (the relative error of the accelerometers' sensitivity that would
-        have been seen) and `sentence`.
+        have been seen) and `sentence`; and the attribute `not_compared`, a sentence on bodies that only one of them watches,
+        empty where there are none.
 
-    Raises CrashkitError where the accelerometers tell of no body that the film shows.
+    Raises CrashkitError where the accelerometers tell of no body that the film shows, or are no other kind of instrument.
 
     Figure 6 of Mizzi & Jezequel, JSV 159 (1992) 57.
     """
     seeing, feeling = (_watcher(recording, name, observers) for name in (film, accelerometer))
-    felt = feeling.observer.reconstruct(feeling.group)["body"].values.tolist()
+    if type(seeing.observer) is type(feeling.observer):
+        raise CrashkitError(f"expected film and accelerometers, found {film} and {accelerometer}, both of one kind")
+    felt = _felt(feeling, accelerometer)
     bodies = [body for body in dict.fromkeys(seeing.bodies) if body in felt]
     if not bodies:
         raise CrashkitError(f"expected a body that both {film} and {accelerometer} watch, found {seeing.bodies} and {felt}")
     initial = recording.children["initial"].to_dataset(inherit=False) if "initial" in recording.children else None
     checks = [_check(body, seeing.on(body), feeling.on(body), initial, known_velocity) for body in bodies]
     displacements = xr.concat([seen for seen, _ in checks], dim=seeing.observer.channel)
-    return displacements.merge(xr.concat([verdict for _, verdict in checks], dim="body"))
+    check = displacements.merge(xr.concat([verdict for _, verdict in checks], dim="body"))
+    return check.assign_attrs(not_compared=_not_compared({film: seeing.bodies, accelerometer: feeling.bodies}, bodies))
+
+
+def _felt(feeling: Watcher, name: str) -> list[str]:
+    """The bodies whose accelerations an instrument gives."""
+    motion = feeling.observer.reconstruct(feeling.group)
+    if "acceleration" not in motion:
+        raise CrashkitError(f"{name}: expected an instrument that gives accelerations, found a {feeling.observer.name}")
+    return list(motion["body"].values.tolist())
+
+
+def _not_compared(watched: Mapping[str, Sequence[str]], compared: Sequence[str]) -> str:
+    """What each instrument watches beside the bodies that are compared."""
+    others = [(name, ", ".join(dict.fromkeys(body for body in own if body not in compared))) for name, own in watched.items()]
+    told = "; ".join(f"{bodies} of {name}" for name, bodies in others if bodies)
+    return f"not compared: {told}" if told else ""
 
 
 def _watcher(recording: xr.DataTree, name: str, observers: Mapping[str, type[Observer]]) -> Watcher:
     if name not in recording.children:
-        raise CrashkitError(f"expected a group {name}, found {', '.join(recording.children)}")
+        close = did_you_mean(name, recording.children)
+        raise CrashkitError(f"expected a group {name}, found {', '.join(recording.children)}{close}")
     group = recording.children[name].to_dataset(inherit=False)
     observer = str(group.attrs.get("observer", "none"))
     if observer not in observers:

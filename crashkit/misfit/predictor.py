@@ -61,7 +61,7 @@ class Predictor:
         """The simulated motion of one run at every instant that one of its instruments reads."""
         wanted = self._structural if sensitivities else ()
         values = {**self._fixed, **values}
-        return self.simulator.run(self._times[run], values, initial=self._initial[run], sensitivities=wanted, step=self.step)
+        return self.simulator.motion(self._times[run], values, self._initial[run], wanted, self.step)
 
     def predict(self, values: Mapping[str, float], sensitivities: bool = False) -> list[Prediction]:
         """The predictions for every group, in order; `values` by parameter path."""

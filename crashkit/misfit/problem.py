@@ -240,7 +240,7 @@ class Misfit:
 
     def with_values(self, values: Mapping[str, float], free: Mapping[str, bool] | None = None) -> "Misfit":
         """The misfit of the same structure at other values; `free` frees or fixes parameters by path."""
-        model = self.model.with_values(values)
+        model = self.model.at(values)
         changes = {path: evolve(model.parameters()[path], fixed=not is_free) for path, is_free in (free or {}).items()}
         return self._with(model.with_parameters(changes), list(self.groups))
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from crashkit.data.validate import names, shown
 from crashkit.errors import ContractError, Fault
 from crashkit.model.body_checks import body_faults
+from crashkit.model.choice import choice_fault
 from crashkit.model.instrument import InstrumentErrors
 from crashkit.model.joint_checks import joint_faults, specs_of
 from crashkit.model.model import Model
@@ -88,5 +89,5 @@ def _instrument_faults(errors: InstrumentErrors, observers: Mapping[str, type[Ob
     known = sorted({spec.name for observer in (observers or {}).values() for spec in observer.errors})
     for name, parameter in errors.parameters.items():
         if known and name not in known:
-            yield Fault(f"{where}/parameters", f"one of {names(known)}", shown(name))
+            yield choice_fault(f"{where}/parameters", "errors that instruments have", name, known)
         yield from parameter_faults(parameter, None, f"{where}/{name}")

@@ -17,7 +17,7 @@ def with_joint(model: Model, joint: Joint) -> Model:
 
 
 def without_joint(model: Model, joint: str) -> Model:
-    """The model without one of its joints; raises KeyError for one it does not have."""
+    """The model without one of its joints; raises CrashkitError for one it does not have."""
     removed = model.joint(joint)
     return evolve(model, joints=tuple(other for other in model.joints if other != removed))
 

@@ -1,6 +1,7 @@
 """What a joint must fulfil before it can be simulated."""
 
 import math
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 
@@ -9,6 +10,7 @@ import numpy as np
 from crashkit.data.validate import names, shown
 from crashkit.errors import Fault
 from crashkit.model.body import Body
+from crashkit.model.choice import choice_fault
 from crashkit.model.joint import Joint
 from crashkit.model.model import Model
 from crashkit.model.number_checks import parameter_faults, vector_faults
@@ -17,6 +19,8 @@ from crashkit.model.pose import ORIENTATION, is_unit, laboratory_point
 from crashkit.protocols import ParameterSpec, SpringLaw
 
 Laws = Mapping[str, type[SpringLaw]]
+SIGN = re.compile(r" [+~*|&%/] ")
+"""Between the names of laws that are combined."""
 APART = 1e-9
 """m, the least distance of two attachments that gives the line between them a direction."""
 
@@ -100,13 +104,21 @@ def _geometry_faults(joint: Joint, model: Model, where: str) -> Iterator[Fault]:
 
 def _law_faults(name: str, unit: str, laws: Laws, where: str) -> Iterator[Fault]:
     kind = "laws" if unit == "N" else "factors"
-    installed = names(sorted(law for law, plugin in laws.items() if plugin.unit == unit)) or "none"
+    installed = sorted(law for law, plugin in laws.items() if plugin.unit == unit)
     if name not in laws:
-        combined = any(sign in name for sign in (" + ", " ~ ", " * ", " | "))
-        wanted = f"{kind} that can be combined like this, of" if combined else "one of"
-        yield Fault(where, f"{wanted} the installed {kind} ({installed})", shown(name))
+        yield _unknown_law(name, kind, installed, laws, where)
     elif laws[name].unit != unit:
-        yield Fault(where, f'one of the {kind} with unit "{unit}" ({installed})', f'"{name}" with unit "{laws[name].unit}"')
+        expected = f'one of the {kind} with unit "{unit}" ({names(installed) or "none"})'
+        yield Fault(where, expected, f'"{name}" with unit "{laws[name].unit}"')
+
+
+def _unknown_law(name: str, kind: str, installed: Sequence[str], laws: Laws, where: str) -> Fault:
+    """Of laws that are combined, the one that is misspelt is told."""
+    parts = SIGN.split(name)
+    misspelt = [part for part in parts if part not in laws]
+    if len(parts) == 1 or misspelt:
+        return choice_fault(where, f"installed {kind}", misspelt[0], laws if len(parts) > 1 else installed)
+    return Fault(where, f"{kind} that can be combined like this, of the installed {kind} ({names(installed)})", shown(name))
 
 
 def _joint_parameter_faults(joint: Joint, laws: Laws, where: str) -> Iterator[Fault]:
@@ -119,7 +131,7 @@ def _joint_parameter_faults(joint: Joint, laws: Laws, where: str) -> Iterator[Fa
     if all(name in laws for name in plugins):
         for name in joint.parameters:
             if name not in specs:
-                yield Fault(f"{where}/parameters", f"one of {names(specs)}", shown(name))
+                yield choice_fault(f"{where}/parameters", "parameters", name, specs)
     for name, spec in specs.items():
         if name not in joint.parameters and spec.default is None:
             yield Fault(f"{where}/{name}", _value_of(spec), "none")

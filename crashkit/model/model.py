@@ -4,13 +4,17 @@ from collections.abc import Iterator, Mapping
 
 from attrs import evolve, field, frozen
 
+from crashkit.errors import CrashkitError
 from crashkit.model.body import Body
+from crashkit.model.choice import choice_fault
 from crashkit.model.instrument import InstrumentErrors
 from crashkit.model.joint import Joint
 from crashkit.model.parameter import Parameter
+from crashkit.model.summary import head_of, lines_of
+from crashkit.model.value_checks import check_paths, check_values
 
 
-@frozen
+@frozen(repr=False)
 class Model:
     """A structure as rigid bodies joined by springs (Mizzi & Jezequel 1992, eq 2-11).
 
@@ -32,13 +36,23 @@ class Model:
     instruments: tuple[InstrumentErrors, ...] = field(default=())
     gravity: tuple[float, ...] = field(default=())
 
+    def __repr__(self) -> str:
+        head = head_of(self.name, self.axes, self.bodies, self.joints)
+        return "\n".join([head, *lines_of(self.bodies, self.joints)])
+
     def body(self, name: str) -> Body:
-        """The body of that name; raises KeyError."""
-        return {body.name: body for body in self.bodies}[name]
+        """The body of that name; raises CrashkitError for one it does not have."""
+        known = {body.name: body for body in self.bodies}
+        if name not in known:
+            raise CrashkitError(str(choice_fault(f"model {self.name}", "bodies", name, known)))
+        return known[name]
 
     def joint(self, name: str) -> Joint:
-        """The joint of that name; raises KeyError."""
-        return {joint.name: joint for joint in self.joints}[name]
+        """The joint of that name; raises CrashkitError for one it does not have."""
+        known = {joint.name: joint for joint in self.joints}
+        if name not in known:
+            raise CrashkitError(str(choice_fault(f"model {self.name}", "joints", name, known)))
+        return known[name]
 
     def parameters(self) -> dict[str, Parameter]:
         """Every parameter by its path, in the order of the file."""
@@ -49,21 +63,36 @@ class Model:
         return {path: parameter for path, parameter in self._walk() if not parameter.fixed}
 
     def with_parameters(self, changes: Mapping[str, Parameter]) -> "Model":
-        """The same model with these parameters replaced, by path; raises KeyError for a path it does not have."""
-        unknown = set(changes) - set(self.parameters())
-        if unknown:
-            raise KeyError(f"the model {self.name} has no parameter {', '.join(sorted(unknown))}")
+        """The same model with these parameters replaced, by path; raises CrashkitError for a path it does not have."""
+        check_paths(changes, self.parameters(), f"model {self.name}")
+        return self._replaced(changes)
+
+    def with_values(self, values: Mapping[str, float]) -> "Model":
+        """The same model with these values, bounds and freedom unchanged.
+
+        Arguments:
+            values: SI units, by path.
+
+        Raises:
+            CrashkitError: a path the model does not have, or a value that its file could not hold: one that is not finite, out
+                of its bounds, or a mass that is not above 0.
+        """
+        check_values(values, self.parameters(), f"model {self.name}")
+        return self.at(values)
+
+    def at(self, values: Mapping[str, float]) -> "Model":
+        """The same at any values, in bounds or not: for searches. Raises CrashkitError for a path the model does not have."""
+        known = self.parameters()
+        check_paths(values, known, f"model {self.name}")
+        return self._replaced({path: evolve(known[path], value=float(value)) for path, value in values.items()})
+
+    def _replaced(self, changes: Mapping[str, Parameter]) -> "Model":
         return evolve(
             self,
             bodies=tuple(_replace_body(body, changes) for body in self.bodies),
             joints=tuple(_replace_joint(joint, changes) for joint in self.joints),
             instruments=tuple(_replace_instrument(errors, changes) for errors in self.instruments),
         )
-
-    def with_values(self, values: Mapping[str, float]) -> "Model":
-        """The same model with these values, bounds and freedom unchanged."""
-        known = self.parameters()
-        return self.with_parameters({path: evolve(known[path], value=float(value)) for path, value in values.items()})
 
     def _walk(self) -> Iterator[tuple[str, Parameter]]:
         for body in self.bodies:

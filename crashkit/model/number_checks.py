@@ -3,13 +3,16 @@
 import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from crashkit.errors import Fault
 from crashkit.model.parameter import Parameter
-from crashkit.protocols import ParameterSpec
+
+if TYPE_CHECKING:  # the protocols know the model, which checks its values here
+    from crashkit.protocols import ParameterSpec
 
 
-def parameter_faults(parameter: Parameter, spec: ParameterSpec | None, where: str) -> Iterator[Fault]:
+def parameter_faults(parameter: Parameter, spec: "ParameterSpec | None", where: str) -> Iterator[Fault]:
     """A parameter is finite and within its bounds."""
     value, lower, upper = parameter.value, parameter.lower, parameter.upper
     if (

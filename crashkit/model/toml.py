@@ -9,7 +9,6 @@ import numpy as np
 from attrs import evolve
 
 from crashkit.data.files import atomic_write
-from crashkit.data.validate import shown
 from crashkit.errors import ContractError, CrashkitError, Fault
 from crashkit.model.body import Body
 from crashkit.model.checks import check_model, instrument_place, model_faults, place, specs_of
@@ -68,6 +67,8 @@ def _load(path: Path) -> dict[str, Any]:
             return tomllib.load(file)
     except OSError as error:
         raise CrashkitError(f"{path}: expected a model file, found {(error.strerror or str(error)).lower()}") from error
+    except UnicodeDecodeError as error:
+        raise CrashkitError(f"{path}: expected a model file (TOML), found one that is no text") from error
     except (ValueError, RecursionError) as error:
         reason = str(error)
         raise CrashkitError(f"{path}: expected TOML, found a fault in it: {reason[:1].lower()}{reason[1:]}") from error
@@ -75,8 +76,6 @@ def _load(path: Path) -> dict[str, Any]:
 
 def _model(table: dict[str, Any], laws: Mapping[str, type[SpringLaw]], faults: list[Fault]) -> Model:
     root = section(table, ROOT, ("schema", "name", "axes"), "", faults)
-    if root.get("schema", SCHEMA) != SCHEMA:
-        faults.append(Fault("schema", shown(SCHEMA), shown(root["schema"])))
     axes = tuple(root.get("axes", ["x"]))
     return Model(
         name=root.get("name", ""),

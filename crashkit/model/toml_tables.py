@@ -5,8 +5,10 @@ from typing import Any
 
 from attrs import frozen
 
-from crashkit.data.validate import names, shown
+from crashkit.data.validate import shown
 from crashkit.errors import Fault
+from crashkit.model.choice import choice_fault
+from crashkit.model.toml_text import SCHEMA
 from crashkit.model.values import is_number
 
 
@@ -40,6 +42,8 @@ def _is_table(raw: object) -> bool:
 
 _TEXT = Kind("text", _is_text)
 _TEXTS = Kind("a list of text", _list_of(_is_text))
+_SCHEMA = Kind(shown(SCHEMA), lambda raw: raw == SCHEMA)
+_AXES = Kind('a list of text such as ["x"]', _list_of(_is_text))
 _FLAG = Kind("true or false", lambda raw: isinstance(raw, bool))
 _NUMBERS = Kind("a list of numbers", _list_of(is_number))
 _NUMBER_OR_NUMBERS = Kind("a number or a list of numbers", _either(is_number, _list_of(is_number)))
@@ -51,9 +55,9 @@ _TABLES = Kind("tables in double brackets", _list_of(_is_table))
 _ANY = Kind("a number", lambda raw: True)
 
 ROOT = {
-    "schema": _TEXT,
+    "schema": _SCHEMA,
     "name": _TEXT,
-    "axes": _TEXTS,
+    "axes": _AXES,
     "gravity": _NUMBERS,
     "body": _TABLES,
     "joint": _TABLES,
@@ -95,7 +99,7 @@ def section(
 ) -> dict[str, Any]:
     """The entries of a table that are as they should be; what is not is added to the faults."""
     prefix = f"{where}/" if where else ""
-    faults.extend(Fault(where or "model", f"one of {names(kinds)}", shown(key)) for key in table if key not in kinds)
+    faults.extend(choice_fault(where or "model", "keys", key, kinds) for key in table if key not in kinds)
     faults.extend(Fault(f"{prefix}{key}", kinds[key].expected, "none") for key in required if key not in table)
     wrong = [key for key in table if key in kinds and not kinds[key].fits(table[key])]
     faults.extend(Fault(f"{prefix}{key}", kinds[key].expected, shown(table[key])) for key in wrong)

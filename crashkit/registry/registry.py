@@ -1,11 +1,12 @@
 """What is installed, by kind and name, and what failed to load."""
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any, TypeVar
 
 from attrs import frozen
 
-from crashkit.errors import CrashkitError
+from crashkit.errors import CrashkitError, did_you_mean
 from crashkit.protocols import Hypothesis, Identifier, Importer, Observer, Regression, Smoother, SpringLaw
 from crashkit.registry.law_book import LawBook
 
@@ -38,12 +39,17 @@ class Failure:
         return f"{self.distribution} {self.version}: {self.reason}"
 
 
-@frozen
+@frozen(repr=False)
 class Registry:
     """Every plugin that loaded and every failure, in the order of their distributions' names."""
 
     plugins: tuple[Plugin, ...]
     failures: tuple[Failure, ...]
+
+    def __repr__(self) -> str:
+        counts = Counter(plugin.kind for plugin in self.plugins)
+        head = f"registry of {plural(len(self.plugins), 'plugin')}, {plural(len(self.failures), 'failure')}"
+        return "\n".join([head, *(f"  {kind}: {count}" for kind, count in counts.items())])
 
     @property
     def spring_laws(self) -> LawBook:
@@ -115,7 +121,8 @@ class Registry:
 
     def _find(self, kind: str, installed: Mapping[str, type[Base]], name: str) -> type[Base]:
         if name not in installed:
-            message = f'no {kind} "{name}" is installed, expected {one_of(installed)}'
+            hint = did_you_mean(name, installed)
+            message = f'no {kind} "{name}" is installed{hint or f", expected {one_of(installed)}"}'
             raise CrashkitError(f"{message} ({self.warning})" if self.failures else message)
         return installed[name]
 

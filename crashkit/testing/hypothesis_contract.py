@@ -95,7 +95,7 @@ class HypothesisContract:
         for proposal in proposals:
             assert proposal.starts, f"{_name(proposal)}: expected values to start from, found none"
             for start in proposal.starts:
-                for path, parameter in proposal.model.with_values(start).free_parameters().items():
+                for path, parameter in proposal.model.at(start).free_parameters().items():
                     inside = parameter.lower <= parameter.value <= parameter.upper
                     assert inside, f"{_name(proposal)}: {path} starts outside its bounds, at {parameter.value:g}"
 
@@ -111,7 +111,7 @@ class HypothesisContract:
         engine = _engine([model, *(proposal.model for proposal in nullable)])
         given = _readings(model, recordings, engine)
         for proposal in nullable:
-            absent = proposal.model.with_values({**proposal.starts[0], **proposal.null})
+            absent = proposal.model.at({**proposal.starts[0], **proposal.null})
             found = _readings(absent, recordings, engine)
             difference = float(np.abs(found - given).max())
             assert difference <= self.accuracy, (

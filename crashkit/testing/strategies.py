@@ -66,12 +66,12 @@ def motions() -> st.SearchStrategy[xr.Dataset]:
 
 @st.composite
 def recordings(draw: st.DrawFn, schemas: Mapping[str, GroupSchema]) -> xr.DataTree:
-    """Recordings with groups of these instruments, by the value of their attribute `observer`, with or without `initial`."""
+    """Recordings with one to three of these instruments, by their attribute `observer`, with or without `initial`."""
     root = xr.Dataset(attrs={"crashkit_schema": "recording/1", "title": draw(names())})
     groups: dict[str, xr.Dataset] = {"/": root}
     if draw(st.booleans()):
         groups["initial"] = draw(datasets(INITIAL))
-    for number, observer in enumerate(draw(st.lists(st.sampled_from(sorted(schemas)), max_size=3))):
+    for number, observer in enumerate(draw(st.lists(st.sampled_from(sorted(schemas)), min_size=1, max_size=3))):
         groups[f"{observer}_{number}"] = draw(datasets(schemas[observer])).assign_attrs(observer=observer)
     return xr.DataTree.from_dict(groups)
 

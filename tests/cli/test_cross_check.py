@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 from crashkit.cli import main
+from crashkit.data.netcdf import read_tree
 from crashkit.data.recording import write_recording
 
 METRES, SPEEDS, ACCELERATIONS = {"units": "m"}, {"units": "m s-1"}, {"units": "m s-2"}
@@ -62,7 +63,10 @@ def written(path: Path, gain: float = 1.0) -> Path:
 def test_a_verdict_is_printed_and_a_page_written(tmp_path, capsys, gain, verdict, headline) -> None:
     recording = written(tmp_path / "run.nc", gain)
     assert main(["cross-check", str(recording), "--known-velocity", "--output", str(tmp_path / "answer")]) == 0
-    assert capsys.readouterr().out.startswith(f"film and accelerometers of <car> {verdict} (chi-square ")
+    told = capsys.readouterr().out
+    assert told.startswith(f"film and accelerometers of <car> {verdict} (chi-square ")
+    assert told.endswith(f"wrote {tmp_path}/answer/index.html\nwrote {tmp_path}/answer/cross_check.nc\n")
+    assert "not compared" not in told
     assert {path.name for path in (tmp_path / "answer").iterdir()} == {"index.html", "plotly.min.js", "cross_check.nc"}
     page = (tmp_path / "answer" / "index.html").read_text(encoding="utf-8")
     assert f"<h1>{headline}</h1>" in page
@@ -79,3 +83,27 @@ def test_a_group_that_is_not_there_is_told_with_its_file(tmp_path, capsys) -> No
     expected = f"crashkit: {recording}: expected a group camera, found film, accelerometer, initial\n"
     assert capsys.readouterr().err == expected
     assert not (tmp_path / "answer").exists()
+
+
+def test_a_body_that_one_of_them_alone_watches_is_told(tmp_path, capsys) -> None:
+    tree = read_tree(written(tmp_path / "run.nc"))
+    film = tree["film"].to_dataset()
+    tree["film"] = xr.concat([film, film.assign_coords(marker=["hatch"]).assign(marker_body=("marker", ["batery"]))], "marker")
+    write_recording(tree, tmp_path / "run.nc")
+    assert main(["cross-check", str(tmp_path / "run.nc"), "--output", str(tmp_path / "answer")]) == 0
+    assert "\nnot compared: batery of film\nwrote " in capsys.readouterr().out
+
+
+def test_a_model_is_no_recording(tmp_path, capsys) -> None:
+    (tmp_path / "model.toml").write_text("")
+    assert main(["cross-check", str(tmp_path / "model.toml"), "--output", str(tmp_path / "answer")]) == 2
+    assert capsys.readouterr().err == f"crashkit: {tmp_path}/model.toml: expected a netCDF file, found a model (TOML)\n"
+
+
+def test_a_report_is_never_written_over_the_recording(tmp_path, capsys) -> None:
+    recording = written(tmp_path / "cross_check.nc")
+    before = recording.read_bytes()
+    assert main(["cross-check", str(recording), "--output", str(tmp_path)]) == 2
+    expected = f"crashkit: {recording}: expected a file of its own for the output, found one of the inputs\n"
+    assert capsys.readouterr().err == expected
+    assert recording.read_bytes() == before

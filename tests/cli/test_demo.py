@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import pytest
 
 from crashkit import api, demo
+from crashkit.errors import CrashkitError
 from crashkit.model.toml import read_model
 from crashkit.registry import load
 from crashkit.testing.concealed import SIZES, read_answer
@@ -83,7 +84,7 @@ def test_without_a_seed_one_is_drawn_and_told(tmp_path, diagnosed, monkeypatch):
 
 def test_the_answer_is_right_where_the_physics_and_the_place_are(diagnosed):
     told = demo.reveal(answer(finding("bottoming", joint="front")), truth("bottoming", "joint", "front"))
-    assert told == "The seal is opened. Concealed was: bottoming (line) at joint front.\nThe answer was right."
+    assert told == "The seal is opened. Concealed was: bottoming at joint front.\nThe answer was right."
 
 
 @pytest.mark.parametrize(
@@ -109,6 +110,22 @@ def test_two_bodies_may_be_named_in_any_order():
 def test_a_sensor_may_be_told_with_its_instrument_and_a_rival_is_as_right():
     found = answer(finding("gain_error", sensor="wall", instrument="wall"))
     assert demo.reveal(found, truth("added_mass", "body", "car", ["gain_error", "sensor", "wall"])).endswith("right.")
+
+
+def test_a_file_in_the_place_of_the_folder(tmp_path, diagnosed):
+    (tmp_path / "f").write_text("")
+    with pytest.raises(CrashkitError, match="f: expected a folder to write to, found a file$"):
+        demo.run(SEED, tmp_path / "f", False, print)
+
+
+def test_a_seed_that_conceals_nothing(tmp_path, monkeypatch):
+    def fail(*_, **__):
+        raise ValueError("not plain to see")
+
+    monkeypatch.setattr(demo, "make_case", fail)
+    with pytest.raises(CrashkitError, match="^seed 6: expected one that conceals a physics, found none that fits its crash$"):
+        demo.run(SEED, tmp_path / "new", False, print)
+    assert not (tmp_path / "new").exists()
 
 
 @pytest.mark.parametrize("error", [OSError("no browser"), webbrowser.Error("no browser")])

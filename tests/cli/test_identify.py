@@ -2,12 +2,14 @@
 
 import json
 import re
+import shutil
 
 import numpy as np
 import pytest
 import xarray as xr
 from attrs import evolve
 
+from crashkit import api
 from crashkit.api import load_model
 from crashkit.cli import main
 from crashkit.data.netcdf import read_tree
@@ -41,7 +43,13 @@ def test_it_prints_a_table_and_needs_no_output(folder, capsys):
     row = re.search(r"joint\.first\.crush_force +(\S+) +N +(\S+) +(\S+) to (\S+)\n", told.out)
     value, std, low, high = map(float, row.groups())
     assert low < value < high and value == pytest.approx(24000.0, abs=4.0 * std)
-    assert "cost " in told.err
+    assert re.match(r"step 1: cost \S+\n", told.err)
+
+
+def test_progress_is_told_every_so_often(folder, capsys, monkeypatch):
+    monkeypatch.setattr(api, "PROGRESS_INTERVAL", np.inf)
+    assert main(command(folder, "--method", "sensitivity")) == 0
+    assert re.fullmatch(r"step 1: cost \S+\n", capsys.readouterr().err)
 
 
 def test_the_json_holds_what_the_result_says(folder, tmp_path):
@@ -173,6 +181,15 @@ def test_it_predicts_a_test_that_is_not_fitted_and_writes_the_bands(folder, tmp_
     assert 0.9 < float(inside.mean()) < 1.0
 
 
-def test_a_run_that_is_fitted_is_no_prediction(folder, capsys):
-    assert main(command(folder, "--predict", folder / "run.nc")) == 2
-    assert "run.nc: expected each run once, fitted or held out, found it twice" in capsys.readouterr().err
+def test_a_run_that_is_fitted_is_no_prediction(folder, capsys, monkeypatch):
+    monkeypatch.chdir(folder)
+    assert main(["identify", "model.toml", "run.nc", "--predict", "./run.nc"]) == 2
+    assert capsys.readouterr().err == "crashkit: run.nc: expected each run once, fitted or held out, found it twice\n"
+
+
+def test_a_copy_of_a_run_that_is_fitted_is_no_prediction(folder, tmp_path, capsys):
+    shutil.copy(folder / "run.nc", tmp_path / "copy.nc")
+    assert main(command(folder, "--predict", tmp_path / "copy.nc")) == 2
+    assert capsys.readouterr().err == (
+        "crashkit: copy.nc: expected each run once, fitted or held out, found the values of run.nc\n"
+    )

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 
 import crashkit
-from crashkit.cli import main
+from crashkit.cli import main, progress
 from crashkit.errors import ContractError, CrashkitError, Fault
 from crashkit.registry import Failure, Plugin, Registry
 
@@ -40,7 +40,7 @@ class Api:
 def api(monkeypatch) -> Api:
     stand_in = Api()
     monkeypatch.setitem(sys.modules, "crashkit.api", stand_in)
-    monkeypatch.setattr(crashkit, "api", stand_in, raising=False)
+    monkeypatch.setitem(vars(crashkit), "api", stand_in)
     monkeypatch.setattr("crashkit.registry.load", lambda: Registry((), ()))
     return stand_in
 
@@ -62,7 +62,8 @@ def test_diagnose_takes_runs_and_runs_held_out_in_any_order(api, capsys, line):
     assert main(line.split()) == 0
     assert api.calls == [("diagnose_files", MODEL, [RUN_1, RUN_2], [HELD_1, HELD_2], OUT)]
     assert api.options["seconds"] == 180.0
-    assert capsys.readouterr().out == "consistent\n"
+    written = "wrote out/index.html\nwrote out/diagnosis.json\nwrote out/augmented_model.toml\n"
+    assert capsys.readouterr().out == f"consistent\n{written}"
 
 
 def test_diagnose_can_be_repeated_without_runs_held_out(api):
@@ -93,6 +94,7 @@ CALLS = {
         {"window": "0:0.1"},
     ),
     "check m.toml 1.nc": ("check_files", [MODEL, RUN_1]),
+    "identify m.toml 1.nc 2.nc": ("identify_files", MODEL, [RUN_1, RUN_2], "multi_start", progress.show),
     "cross-check 1.nc --output out": ("cross_check_file", RUN_1, "film", "accelerometer", False, OUT),
     "cross-check 1.nc --film top --accelerometer sled --known-velocity --output out": (
         "cross_check_file",
@@ -111,7 +113,41 @@ CALLS = {
 def test_a_command_hands_its_arguments_on_and_prints_the_answer(api, capsys, line):
     assert main(line.split()) == 0
     assert api.calls == [CALLS[line]]
-    assert capsys.readouterr().out == "the answer\n"
+    assert capsys.readouterr().out.startswith("the answer\n")
+
+
+WRITTEN = {
+    "cross-check 1.nc --output out": ["out/index.html", "out/cross_check.nc"],
+    "identify m.toml 1.nc --output i.toml --json i.json --curves i.nc": ["i.toml", "i.json", "i.nc"],
+    "identify m.toml 1.nc --curves i.nc": ["i.nc"],
+    "identify m.toml 1.nc": [],
+}
+
+
+@pytest.mark.parametrize("line", WRITTEN)
+def test_what_was_written_is_told_after_the_answer(api, capsys, line):
+    assert main(line.split()) == 0
+    assert capsys.readouterr().out.splitlines() == ["the answer", *(f"wrote {file}" for file in WRITTEN[line])]
+
+
+CLASHES = {
+    "simulate m.nc --duration 1 --output m.nc": ("m.nc", "one of the inputs"),
+    "import nhtsa r.nc --output ./r.nc": ("r.nc", "one of the inputs"),
+    "identify m.toml 1.nc --output m.toml": ("m.toml", "one of the inputs"),
+    "identify m.toml 1.nc --curves 1.nc": ("1.nc", "one of the inputs"),
+    "identify m.toml 1.nc --predict h1.nc --curves h1.nc": ("h1.nc", "one of the inputs"),
+    "identify m.toml 1.nc --json i.nc --curves i.nc": ("i.nc", "another output"),
+    "diagnose out/augmented_model.toml 1.nc --output out": ("out/augmented_model.toml", "one of the inputs"),
+    "cross-check out/cross_check.nc --output out": ("out/cross_check.nc", "one of the inputs"),
+}
+
+
+@pytest.mark.parametrize("line", CLASHES)
+def test_nothing_is_written_over_an_input_or_another_output(api, capsys, line):
+    file, found = CLASHES[line]
+    assert main(line.split()) == 2
+    assert capsys.readouterr() == ("", f"crashkit: {file}: expected a file of its own for the output, found {found}\n")
+    assert api.calls == []
 
 
 @pytest.mark.parametrize("line", ["diagnose m.toml 1.nc --output out", "demo"])
@@ -155,7 +191,17 @@ def test_a_programming_error_keeps_its_traceback(api):
 USAGE = {
     "diagnose m.toml 1.nc": "the following arguments are required: --output (see `crashkit diagnose --help`)",
     "diagnose m.toml --output o": "the following arguments are required: RUN (see `crashkit diagnose --help`)",
-    "simulate m.toml --duration long --output o": (
+    "simulate m.toml --duration 1 --output o.txt": (
+        "argument --output: expected a file name that ends in .nc, found 'o.txt' (see `crashkit simulate --help`)"
+    ),
+    "identify m.toml 1.nc --output i.nc": (
+        "argument --output: expected a file name that ends in .toml, found 'i.nc' (see `crashkit identify --help`)"
+    ),
+    "import nhtsa dir --output r": (
+        "argument --output: expected a file name that ends in .nc, found 'r' (see `crashkit import --help`)"
+    ),
+    "demo --seed -1": "argument --seed: expected a whole number from 0 on, found '-1' (see `crashkit demo --help`)",
+    "simulate m.toml --duration long --output o.nc": (
         "argument --duration: invalid float value: 'long' (see `crashkit simulate --help`)"
     ),
     "import nhtsa dir": "one of the arguments --list --output is required (see `crashkit import --help`)",

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from crashkit.data.files import atomic_write
+from crashkit.data.files import atomic_write, check_outputs, folder_to_fill
 from crashkit.errors import CrashkitError
 
 KILLED = """
@@ -83,3 +83,66 @@ def test_a_full_disk(tmp_path):
 
     with pytest.raises(CrashkitError, match=r"a.txt: cannot be written: No space left on device$"):
         atomic_write(tmp_path / "a.txt", fail)
+
+
+class TestFolders:
+    def test_is_made_with_those_above_it(self, tmp_path):
+        with folder_to_fill(tmp_path / "new" / "out"):
+            (tmp_path / "new" / "out" / "a.txt").write_text("a")
+        assert (tmp_path / "new" / "out" / "a.txt").is_file()
+
+    def test_one_that_was_made_in_vain_is_gone_again(self, tmp_path):
+        with pytest.raises(KeyboardInterrupt, match="no"), folder_to_fill(tmp_path / "new" / "out"):
+            raise KeyboardInterrupt("no")
+        assert list(tmp_path.iterdir()) == []
+
+    def test_one_that_was_there_stays(self, tmp_path):
+        (tmp_path / "old").mkdir()
+        with pytest.raises(ValueError, match="no"), folder_to_fill(tmp_path / "old"):
+            raise ValueError("no")
+        assert (tmp_path / "old").is_dir()
+
+    def test_what_was_written_before_a_failure_stays(self, tmp_path):
+        with pytest.raises(ValueError, match="no"), folder_to_fill(tmp_path / "new"):
+            (tmp_path / "new" / "a.txt").write_text("a")
+            raise ValueError("no")
+        assert (tmp_path / "new" / "a.txt").read_text() == "a"
+
+    @pytest.mark.parametrize("name", ["a.txt", "a.txt/out"])
+    def test_a_file_in_its_place(self, tmp_path, name):
+        (tmp_path / "a.txt").write_text("a")
+        with (
+            pytest.raises(CrashkitError, match=f"{name}: expected a folder to write to, found a file$"),
+            folder_to_fill(tmp_path / name),
+        ):
+            pass
+
+    def test_one_that_cannot_be_made(self, tmp_path, monkeypatch):
+        def fail(*_, **__):
+            raise PermissionError(13, "Permission denied")
+
+        monkeypatch.setattr(Path, "mkdir", fail)
+        message = r"out: expected a folder to write to, found one that cannot be made \(permission denied\)$"
+        with pytest.raises(CrashkitError, match=message), folder_to_fill(tmp_path / "out"):
+            pass
+
+
+class TestOutputs:
+    def test_files_of_their_own(self, tmp_path):
+        (tmp_path / "in.nc").write_text("")
+        check_outputs([tmp_path / "in.nc"], [tmp_path / "out.nc", None, tmp_path / "in.json"])
+
+    @pytest.mark.parametrize("name", ["in.nc", "other/../in.nc", "symbolic.nc", "hard.nc"])
+    def test_an_input_by_any_name(self, tmp_path, name):
+        (tmp_path / "in.nc").write_text("")
+        (tmp_path / "other").mkdir()
+        (tmp_path / "symbolic.nc").symlink_to("in.nc")
+        os.link(tmp_path / "in.nc", tmp_path / "hard.nc")
+        message = f"{name}: expected a file of its own for the output, found one of the inputs$"
+        with pytest.raises(CrashkitError, match=message):
+            check_outputs([tmp_path / "in.nc"], [tmp_path / name])
+
+    def test_two_outputs_in_one_file(self, tmp_path):
+        message = r"a.nc: expected a file of its own for the output, found another output$"
+        with pytest.raises(CrashkitError, match=message):
+            check_outputs([], [tmp_path / "a.nc", tmp_path / "b.nc", tmp_path / "." / "a.nc"])

@@ -15,6 +15,10 @@ from crashkit.testing.strategies import recordings
 SAMPLES = ["sample_null", "sample_two", "sample_cargo"]
 
 
+def with_time(dataset: xr.Dataset, stamps: list[float]) -> xr.Dataset:
+    return dataset.assign_coords(time=("time", stamps, {"units": "s"}))
+
+
 class TestRoundTrip:
     def test_written_and_read_is_identical(self, tmp_path, recording, schemas):
         write_recording(recording, tmp_path / "run.nc")
@@ -138,11 +142,44 @@ class TestFaults:
         with pytest.raises(ContractError, match=message):
             check_recording(recording, schemas, "run")
 
+    def test_no_instruments(self, recording, schemas):
+        message = "^run: recording: expected an instrument, a group with the attribute observer, found none$"
+        with pytest.raises(ContractError, match=message):
+            check_recording(recording.drop_nodes(["film", "accelerometer"]), schemas, "run")
+
+    def test_a_motion(self, schemas):
+        motion = xr.DataTree(xr.Dataset({"position": ("time", [0.0])}))
+        with pytest.raises(ContractError, match="with the attribute observer, found a motion$"):
+            check_recording(motion, schemas, "run")
+
+    @pytest.mark.parametrize(
+        ("stamps", "found"),
+        [
+            ([0.0, 40.0, 80.0, 149.0], "0 to 149 s"),
+            ([1.7e9, 1.7e9 + 0.1, 1.7e9 + 0.2, 1.7e9 + 0.3], r"1.7e\+09 to 1.7e\+09 s"),
+        ],
+        ids=["milliseconds", "since 1970"],
+    )
+    def test_time_that_is_not_in_the_same_seconds(self, recording, schemas, stamps, found):
+        recording["film"] = with_time(recording["film"].to_dataset(), stamps)
+        message = rf"^run: film/time: expected the seconds of accelerometer \(0 to 0.0002 s\), found {found}$"
+        with pytest.raises(ContractError, match=message):
+            check_recording(recording, schemas, "run")
+
+    @pytest.mark.parametrize("stamps", [[0.1, 0.11, 0.12, 0.13], [0.0, 3.0, 6.0, 9.0], [-0.1, 0.0, 0.1, 0.15]])
+    def test_an_instrument_may_see_another_part_of_the_crash(self, recording, schemas, stamps):
+        recording["film"] = with_time(recording["film"].to_dataset(), stamps)
+        check_recording(recording, schemas, "run")
+
 
 class TestUnreadable:
     def test_no_such_file(self, tmp_path, schemas):
         with pytest.raises(CrashkitError, match=r"none.nc: expected a netCDF file, found no such file$"):
             read_recording(tmp_path / "none.nc", schemas)
+
+    def test_a_model(self, tmp_path, schemas):
+        with pytest.raises(CrashkitError, match=r"model.toml: expected a netCDF file, found a model \(TOML\)$"):
+            read_recording(tmp_path / "model.toml", schemas)
 
     def test_a_folder(self, tmp_path, schemas):
         with pytest.raises(CrashkitError, match=r": expected a netCDF file, found a folder$"):

@@ -8,7 +8,7 @@ from crashkit.mechanics import Simulator, ensemble, simulate_many
 from crashkit.testing import toys
 
 TIMES = np.linspace(0.0, 2.0, 41)
-FORCES = np.linspace(0.1, 0.5, 9)
+FORCES = np.linspace(1e4, 5e4, 9)
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +19,7 @@ def simulator(laws):
 def values_of(simulator):
     path = next(path for path in simulator.model.parameters() if path.endswith("crush_force"))
     body = next(body.name for body in simulator.model.bodies if not body.fixed)
-    return {path: FORCES, f"body.{body}.mass": 1.1, f"body.{body}.velocity": np.linspace(0.8, 1.2, 9)}
+    return {path: FORCES, f"body.{body}.mass": 1100.0, f"body.{body}.velocity": np.linspace(0.8, 1.2, 9)}
 
 
 @pytest.mark.parametrize("workers", [1, 2, 4])
@@ -44,7 +44,7 @@ def test_batches_make_no_difference(simulator, monkeypatch):
 
 def test_a_run_that_fails_says_so_and_leaves_the_others_alone(simulator):
     _, path, *_ = values_of(simulator)
-    motions = simulate_many(simulator, TIMES, {path: [0.3, np.nan, 0.4]})
+    motions = simulate_many(simulator, TIMES, {path: [3e4, np.nan, 4e4]})
     assert motions["status"].values[0] == motions["status"].values[2] == "completed"
     assert "is not finite" in str(motions["status"].values[1])
     assert np.all(np.isnan(motions["position"].values[1]))
@@ -54,8 +54,15 @@ def test_a_run_that_fails_says_so_and_leaves_the_others_alone(simulator):
 def test_what_cannot_be_used(simulator):
     path, other, *_ = values_of(simulator)
     with pytest.raises(CrashkitError, match=r"expected one number for each run at every path, found \[2, 3\] numbers"):
-        simulate_many(simulator, TIMES, {path: [0.1, 0.2], other: [1.0, 2.0, 3.0]})
+        simulate_many(simulator, TIMES, {path: [1e4, 2e4], other: [1e3, 2e3, 3e3]})
     with pytest.raises(CrashkitError, match=r"expected quantities of a motion \(position.*\), found colour"):
         simulate_many(simulator, TIMES, {path: FORCES}, quantities=("colour",))
-    with pytest.raises(CrashkitError, match="expected a parameter of the model, found nobody"):
+    with pytest.raises(CrashkitError, match='^expected a parameter of the model, found "nobody"$'):
         simulate_many(simulator, TIMES, {"nobody": FORCES})
+    for wrong in ([-10.0, 1e3], [1e3, -10.0], -10.0):
+        with pytest.raises(CrashkitError, match=r"^model .*: body.front.mass: expected a value above 0, found -10.0$"):
+            simulate_many(simulator, TIMES, {"body.front.mass": wrong})
+    with pytest.raises(CrashkitError, match=r"^expected one number for each run at every path, found 0 numbers$"):
+        simulate_many(simulator, TIMES, {path: []})
+    with pytest.raises(CrashkitError, match=r"^step: expected a positive number of seconds, found nan$"):
+        simulate_many(simulator, TIMES, {path: FORCES}, step=np.nan)

@@ -371,5 +371,8 @@ def test_the_initial_state_of_a_recording(simulate):
 
 
 def test_a_path_that_the_model_does_not_have(simulate):
-    with pytest.raises(CrashkitError, match=r"expected a parameter of the model, found body\.free\.position$"):
+    with pytest.raises(
+        CrashkitError,
+        match=r'^expected a parameter of the model, found "body\.free\.position" \(did you mean "body.*position.*"\?\)$',
+    ):
         simulate(Model("path", AXES[2], (body("free", (0.0, 0.0)),), ()), [1.0], sensitivities=["body.free.position"])

@@ -132,28 +132,97 @@ def test_many_joints_that_meet_at_once(simulator, against_wall, joint, plateau):
 @pytest.mark.parametrize(
     ("times", "message"),
     [
-        ([], "expected times in one dimension, all finite, found an array of shape"),
-        ([0.0, np.nan], "expected times in one dimension, all finite"),
-        ([0.0, 2.0, 1.0], "expected times that increase from 0 or later, found times that go back"),
-        ([-1.0, 0.0], "expected times that increase from 0 or later"),
+        ([], r"at least one, in one dimension, found an array of shape \(0,\)"),
+        ([[0.0, 1.0]], r"at least one, in one dimension, found an array of shape \(1, 2\)"),
+        ([0.0, np.nan], "finite numbers, found nan at index 1"),
+        ([0.0, 2.0, 1.0], "strictly increasing numbers, found 1.0 after 2.0 at index 2"),
+        ([-1.0, 0.0], "times from 0 on, found -1.0 at index 0"),
+        (["late"], "numbers, found list that is none: could not convert string to float: 'late'"),
     ],
 )
 def test_times_that_cannot_be_used(simulator, model, times, message):
-    with pytest.raises(CrashkitError, match=message):
+    with pytest.raises(CrashkitError, match=f"^times: expected {message}$"):
         simulator(model).run(times)
 
 
+@pytest.mark.parametrize("step", [-1.0, 0.0, np.nan, np.inf, "short"])
+def test_a_step_with_which_no_run_would_end(simulator, model, step):
+    found = '"short"' if step == "short" else step
+    weights = xr.Dataset({"position": (("time", "body", "axis"), np.zeros((31, 2, 1)))})
+    for ask in (
+        lambda: simulator(model).run(TIMES, step=step),
+        lambda: simulator(model).adjoint(TIMES, weights, step=step),
+    ):
+        with pytest.raises(CrashkitError, match=f"^step: expected a positive number of seconds, found {found}$"):
+            ask()
+
+
 @pytest.mark.parametrize(
-    "path", ["joint.spring.colour", "body.nobody.mass", "joint.other.crush_force", "mass", "instrument.a.b.c"]
+    ("path", "value", "message"),
+    [
+        ("body.mass.mass", -10.0, "expected a value above 0, found -10.0"),
+        ("body.mass.mass", np.nan, "expected a finite number, found nan"),
+        ("body.mass.velocity", np.inf, "expected a finite number, found inf"),
+        ("body.mass.position", "far", 'expected a number, found "far"'),
+        ("joint.spring.crush_force", 2.0, "expected a value from 0.1 to 1.0, found 2.0"),
+        ("joint.spring.toe", -1.0, "expected a value of at least 0.0, found -1.0"),
+    ],
 )
-def test_a_path_that_the_model_does_not_have(simulator, model, path):
-    with pytest.raises(CrashkitError, match=f"expected a parameter of the model, found {path}"):
+def test_values_that_a_file_could_not_hold(simulator, against_wall, plateau, path, value, message):
+    """Of what the model leaves to its law, here the toe, the bounds are the law's."""
+    model = against_wall("crush_plateau", plateau | {"crush_force": Parameter(0.24, 0.1, 1.0)})
+    weights = xr.Dataset({"position": (("time", "body", "axis"), np.zeros((31, 2, 1)))})
+    for ask in (
+        lambda: simulator(model).run(TIMES, {path: value}),
+        lambda: simulator(model).adjoint(TIMES, weights, {path: value}),
+    ):
+        with pytest.raises(CrashkitError, match=f"^model against the wall: {path}: {message}$"):
+            ask()
+
+
+def test_absent_physics_may_lie_outside_the_bounds(simulator, against_wall, plateau):
+    model = against_wall("crush_plateau", plateau | {"unloading_stiffness": Parameter(6.0, 1.0, 10.0)})
+    found = simulator(model).run(TIMES, {"joint.spring.unloading_stiffness": 0.0})
+    assert found.identical(simulator(against_wall("crush_plateau", plateau)).run(TIMES))
+
+
+def test_a_search_may_leave_the_bounds(simulator, against_wall, plateau):
+    model = against_wall("crush_plateau", plateau | {"crush_force": Parameter(0.24, 0.1, 1.0)})
+    motion = simulator(model).motion(TIMES, {"joint.spring.crush_force": 2.0})
+    assert float(motion["force"].max()) > 1.0
+
+
+@pytest.mark.parametrize(
+    ("path", "hint"),
+    [
+        ("joint.spring.crush_froce", r' \(did you mean "joint.spring.crush_force"\?\)'),
+        ("body.nobody.mass", r' \(did you mean "body.wall.mass"\?\)'),
+        ("mass", ""),
+        ("instrument.a.b.c", ""),
+    ],
+)
+def test_a_path_that_the_model_does_not_have(simulator, model, path, hint):
+    message = f'^expected a parameter of the model, found "{path}"{hint}$'
+    with pytest.raises(CrashkitError, match=message):
         simulator(model).run(TIMES, sensitivities=[path])
+    if not path.startswith("instrument."):
+        with pytest.raises(CrashkitError, match=message):
+            simulator(model).run(TIMES, {path: 1.0})
+
+
+def test_without_laws_those_that_are_installed_are_used(laws, model):
+    assert simulate(model, TIMES).identical(simulate(model, TIMES, laws))
+
+
+def test_python_shows_its_model(simulator, model):
+    assert repr(simulator(model)).splitlines()[0] == 'Simulator of model "against the wall" in x: 2 bodies, 1 joint'
 
 
 def test_a_law_that_is_not_installed(laws, model):
-    wrong = evolve(model, joints=(evolve(model.joints[0], law="rubber"),))
-    with pytest.raises(CrashkitError, match="joint spring: expected a law that is installed .*, found rubber"):
+    wrong = evolve(model, joints=(evolve(model.joints[0], law="origami"),))
+    with pytest.raises(
+        CrashkitError, match=r'^joint spring: expected one of the installed laws \(.*"viscous".*\), found "origami"$'
+    ):
         Simulator(wrong, laws)
 
 

@@ -146,6 +146,32 @@ def test_a_group_that_is_not_there_is_named() -> None:
         cross_check(run(), OBSERVERS, film="camera")
 
 
+def test_a_group_that_is_misspelt_is_guessed() -> None:
+    with pytest.raises(CrashkitError, match=r'found film, accelerometer, initial \(did you mean "film"\?\)$'):
+        cross_check(run(), OBSERVERS, film="flim")
+
+
+@pytest.mark.parametrize("name", ["film", "accelerometer"])
+def test_an_instrument_is_not_compared_with_itself(name) -> None:
+    with pytest.raises(CrashkitError, match=f"^expected film and accelerometers, found {name} and {name}, both of one kind$"):
+        cross_check(run(), OBSERVERS, film=name, accelerometer=name)
+
+
+def test_film_gives_no_accelerations() -> None:
+    with pytest.raises(CrashkitError, match="^film: expected an instrument that gives accelerations, found a film$"):
+        cross_check(run(), OBSERVERS, film="accelerometer", accelerometer="film")
+
+
+def test_bodies_that_are_not_compared_are_named() -> None:
+    assert cross_check(run(), OBSERVERS).attrs["not_compared"] == ""
+    recording = run(bodies=("car", "engine"))
+    film = recording["film"].to_dataset()
+    recording["film"] = film.assign(marker_body=("marker", ["car", "engin", "car", "engin"]))
+    check = cross_check(recording, OBSERVERS)
+    assert check["body"].values.tolist() == ["car"]
+    assert check.attrs["not_compared"] == "not compared: engin of film; engine of accelerometer"
+
+
 def test_a_group_that_nobody_understands_is_named() -> None:
     with pytest.raises(CrashkitError, match=r"accelerometer: expected an installed observer \(film\), found accelerometer"):
         cross_check(run(), {"film": Film})

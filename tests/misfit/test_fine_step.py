@@ -13,7 +13,7 @@ from crashkit.misfit.predictor import STEP
 def stiff(model, factor):
     """The same model with every spring stiffer: it swings faster."""
     values = {p: factor * v.value for p, v in model.parameters().items() if p.endswith(("stiffness", "crush_force"))}
-    return model.with_values(values)
+    return model.at(values)
 
 
 def error(misfit, step):

@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from crashkit.errors import CrashkitError
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.model.edit import fresh_name, with_body, with_factor, with_instrument_error, with_joint, without_joint
 
@@ -29,7 +30,8 @@ def test_a_joint_and_a_body_come_last():
 
 def test_a_joint_is_taken_away():
     assert without_joint(MODEL, "front").joints == MODEL.joints[1:]
-    with pytest.raises(KeyError, match="rear"):
+    message = r'^model model: expected one of the joints \("front", "side"\), found "rear"$'
+    with pytest.raises(CrashkitError, match=message):
         without_joint(MODEL, "rear")
 
 

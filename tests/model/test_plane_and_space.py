@@ -263,7 +263,7 @@ class TestFaultsInThePlane:
             (
                 "orientation = [0.0, 0.1, 0.2]",
                 "yaw = [0.0, 0.1, 0.2]",
-                'body "sled"/motion: expected one of "time", "position", "orientation", found "yaw"',
+                'body "sled"/motion: expected one of the keys ("time", "position", "orientation"), found "yaw"',
             ),
             (
                 'name = "sled"',

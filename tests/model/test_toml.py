@@ -174,7 +174,7 @@ class TestWriting:
         assert read_model(tmp_path / "b.toml", laws) == model
 
     def test_a_model_that_cannot_be_simulated_is_not_written(self, tmp_path, read, text, laws):
-        model = read(text).with_values({"body.engine.mass": -1.0})
+        model = read(text).at({"body.engine.mass": -1.0})
         with pytest.raises(ContractError, match=r'new.toml: body "engine"/mass: expected a mass above 0, found -1.0$'):
             write_model(model, tmp_path / "new.toml", laws)
         assert not (tmp_path / "new.toml").exists()
@@ -211,9 +211,9 @@ class TestFaults:
         ("old", "new", "expected"),
         [
             ("crashkit-model/1", "crashkit-model/2", 'schema: expected "crashkit-model/1", found "crashkit-model/2"'),
-            ('schema = "crashkit-model/1"\n', "", "schema: expected text, found none"),
-            ('axes = ["x"]', 'axes = "x"', 'axes: expected a list of text, found "x"'),
-            ('axes = ["x"]', 'axis = ["x"]', "axes: expected a list of text, found none"),
+            ('schema = "crashkit-model/1"\n', "", 'schema: expected "crashkit-model/1", found none'),
+            ('axes = ["x"]', 'axes = "x"', 'axes: expected a list of text such as ["x"], found "x"'),
+            ('axes = ["x"]', 'axis = ["x"]', 'axes: expected a list of text such as ["x"], found none'),
             ("mass = 280", "mass = -3", 'body "engine"/mass: expected a mass above 0, found -3.0'),
             ("mass = 280", "", 'body "engine"/mass: expected a mass in kg, found none'),
             ("mass = 280", "mass = nan", 'body "engine"/mass: expected a finite number, found nan'),
@@ -225,8 +225,13 @@ class TestFaults:
             (
                 "mass = 280",
                 "mas = 280\nmass = 280",
-                'body "engine": expected one of "name", "fixed", "mass", "inertia", "position", "orientation", "velocity", '
-                '"angular_velocity", "carrier", "motion", "force", found "mas"',
+                'body "engine": expected one of the keys, found "mas" (did you mean "mass"?)',
+            ),
+            (
+                "mass = 280",
+                "colour = 1\nmass = 280",
+                'body "engine": expected one of the keys ("name", "fixed", "mass", "inertia", "position", "orientation", '
+                '"velocity", "angular_velocity", "carrier", "motion", "force"), found "colour"',
             ),
             ("position = [-0.55]", "", 'body "engine"/position: expected a list of numbers, found none'),
             (
@@ -268,7 +273,23 @@ class TestFaults:
             (
                 'law = "linear"',
                 'law = "lineer"',
-                'joint "front"/law: expected one of the installed laws ("curve", "linear"), found "lineer"',
+                'joint "front"/law: expected one of the installed laws, found "lineer" (did you mean "linear"?)',
+            ),
+            (
+                'law = "linear"',
+                'law = "rubber"',
+                'joint "front"/law: expected one of the installed laws ("curve", "linear"), found "rubber"',
+            ),
+            (
+                'law = "linear"',
+                'law = "linear + curv"',
+                'joint "front"/law: expected one of the installed laws, found "curv" (did you mean "curve"?)',
+            ),
+            (
+                'law = "linear"',
+                'law = "linear + curve"',
+                'joint "front"/law: expected laws that can be combined like this, of the installed laws ("curve", "linear"), '
+                'found "linear + curve"',
             ),
             (
                 'law = "linear"',
@@ -332,8 +353,13 @@ class TestFaults:
             (
                 "stiffness = 1.1e6",
                 "stiffness = 1.1e6\nstifness = 2.0",
-                'joint "front"/parameters: expected one of "stiffness", "unloading_stiffness", "tension", "preload", '
-                'found "stifness"',
+                'joint "front"/parameters: expected one of the parameters, found "stifness" (did you mean "stiffness"?)',
+            ),
+            (
+                "stiffness = 1.1e6",
+                "stiffness = 1.1e6\ncolour = 2.0",
+                'joint "front"/parameters: expected one of the parameters ("stiffness", "unloading_stiffness", "tension", '
+                '"preload"), found "colour"',
             ),
             (
                 "stiffness = 1.1e6",
@@ -420,7 +446,8 @@ class TestFaults:
 
         errors = '[[instrument]]\ngroup = "acc"\nsensor = "a1"\n[instrument.parameters]\ngian = 1.0\n'
         assert faults(text + errors, observers={"gauge": Gauge}) == [
-            'instrument "acc" sensor "a1"/parameters: expected one of "bias", "gain", found "gian"'
+            'instrument "acc" sensor "a1"/parameters: expected one of the errors that instruments have, found "gian" '
+            '(did you mean "gain"?)'
         ]
         assert read(text + errors).instruments[0].parameters == {"gian": Parameter(1.0, fixed=True)}
 
@@ -430,8 +457,7 @@ class TestFaults:
             "name: expected text, found none",
             'body "engine"/mass: expected a mass above 0, found -1.0',
             'joint "front"/bodies: expected one of "barrier", "engine", found "wheel"',
-            'joint "front"/parameters: expected one of "stiffness", "unloading_stiffness", "tension", "preload", '
-            'found "stifness"',
+            'joint "front"/parameters: expected one of the parameters, found "stifness" (did you mean "stiffness"?)',
             'joint "front"/stiffness: expected a number in N m-1, found none',
         ]
 

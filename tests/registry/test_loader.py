@@ -220,6 +220,18 @@ def test_what_is_not_installed_is_refused_with_what_is(install, installed):
     assert installed().spring_law("linear").name == "linear"
 
 
+def test_a_misspelt_name_is_told_its_neighbour(install, installed):
+    install("acme", law("linear"))
+    with pytest.raises(CrashkitError, match=r'^no spring law "lineer" is installed \(did you mean "linear"\?\)$'):
+        installed().spring_law("lineer")
+
+
+def test_python_shows_how_many_of_each_kind_there_are(install, installed):
+    install("acme", law("linear"))
+    install("bad", "import a_module_that_is_not_there")
+    assert repr(installed()) == "registry of 1 plugin, 1 failure\n  spring law: 1"
+
+
 def test_what_is_not_installed_is_refused_with_a_word_on_failures(install, installed):
     install("acme", "import a_module_that_is_not_there")
     message = (

@@ -55,7 +55,7 @@ def _action(
 def _stripped(without: Model, final: Model) -> Model:
     """The final model without one finding: the structure before it, at the final values."""
     known = final.parameters()
-    return without.with_values({path: known[path].value for path in without.free_parameters() if path in known})
+    return without.at({path: known[path].value for path in without.free_parameters() if path in known})
 
 
 def _bodies_at(model: Model, location: Mapping[str, object]) -> tuple[str, str] | None:

@@ -20,7 +20,7 @@ def felt_by(workshop):
 
     def record(stiffer, cfc):
         model = toys.one_degree()
-        model = model.with_values({p: stiffer * v.value for p, v in model.parameters().items() if p.endswith("stiffness")})
+        model = model.at({p: stiffer * v.value for p, v in model.parameters().items() if p.endswith("stiffness")})
         motion = Simulator(model, workshop.laws, workshop.engine).run(TIMES, initial=toys.initial_state(model, 1.0), step=1e-4)
         run = toys.recording(motion)
         felt = run["accelerometer"].to_dataset(inherit=False)
