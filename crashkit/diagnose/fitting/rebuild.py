@@ -30,6 +30,9 @@ def rebuild(workshop: Workshop, base: Search, rivals: Sequence[Rival], last: Sea
             return None
         found = {**rival.search.values, **last.values}
         misfit = workshop.equipped([proposal.model]).misfit(current, proposal.model)
-        start = {name: found[name] for name in misfit.names if name in found}
+        # In the law of its joint or beside it, as what is there already leaves room: its numbers may have had other paths.
+        before = dict(zip(proposal.parameters, rival.proposal.parameters, strict=True))
+        paths = {name: name if name in found else before.get(name, name) for name in misfit.names}
+        start = {name: found[path] for name, path in paths.items() if path in found}
         search = begin(workshop.identifier, misfit.with_values(start)).advance(STEPS)
     return search

@@ -46,7 +46,7 @@ def most_alike(present: Misfit, other: Misfit, names: Sequence[str], laws: Laws)
     paths = _paths(other.model, pairs, motions)
 
     def difference(point: np.ndarray) -> np.ndarray:
-        model = _between(other.model.with_values(values(point)), pairs)
+        model = _between(other.model.at(values(point)), pairs)
         return (_forces(model, laws, paths, stills) - wanted) / np.linalg.norm(wanted)
 
     bounds = lower[moving], upper[moving]

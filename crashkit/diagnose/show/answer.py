@@ -112,7 +112,7 @@ def _findings(
         finding = make_finding(
             rival,
             kind,
-            estimates(rival, identified, units),
+            estimates(rival, identified, units, discovery.base.names),
             belief * look.probabilities[0],
             _alternatives(look, belief),
             {run: one for run, one in action.items() if not one.attrs["holdout"]},

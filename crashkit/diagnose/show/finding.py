@@ -1,6 +1,6 @@
 """From the rival that won to a finding: when it acts, in which runs, how sure, and what would separate its rivals."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -16,14 +16,28 @@ RUN_DROP = 9.0
 """Drop in chi squared that a run must show by itself to be named."""
 
 
-def estimates(rival: Rival, identified: Identification, units: Mapping[str, str]) -> dict[str, Estimate]:
-    """The new parameters by their own names, as identified in the final model."""
+def estimates(
+    rival: Rival, identified: Identification, units: Mapping[str, str], given: Collection[str] = ()
+) -> dict[str, Estimate]:
+    """The new parameters by their own names, as identified in the final model.
+
+    Arguments:
+        given: paths of the given model's parameters.
+    """
     table = identified.parameters
-    known = set(table["parameter"].values)
-    rows = {path: table.sel(parameter=path) for path in rival.proposal.parameters if path in known}
+    known = set(table["parameter"].values.tolist())
+    paths = [path if path in known else _elsewhere(known - set(given), path, rival) for path in rival.proposal.parameters]
+    rows = {path: table.sel(parameter=path) for path in paths if path in known}
     short = [own_name(path) for path in rows]
     told = {path: name if short.count(name) == 1 else path for path, name in zip(rows, short, strict=True)}
     return {told[path]: Estimate(float(r["value"]), float(r["std"]), units.get(path, "")) for path, r in rows.items()}
+
+
+def _elsewhere(known: Collection[str], path: str, rival: Rival) -> str:
+    """Of a number of a joint: it stands in the law of that or beside it, as the other findings there leave room."""
+    joint, name = rival.proposal.location.get("joint"), own_name(path)
+    places = (f"joint.{joint}.{name}", f"joint.{joint}_{rival.proposal.physics}.{name}")
+    return next((one for one in places if one in known), path)
 
 
 def make_finding(
