@@ -22,17 +22,17 @@ def alone_again(search: Search, misfits: Sequence[Misfit]) -> Search:
 
 def rebuild(workshop: Workshop, base: Search, rivals: Sequence[Rival], last: Search) -> Search | None:
     """The given model with these findings, fitted, from the values that they were last given; None if one cannot be placed."""
-    search = base
+    search, paths = base, dict[str, str]()
     for rival in rivals:
         current = search.fitted()
         proposal = next((p for p in propose_all(workshop, current) if is_same(p, rival.proposal)), None)
         if proposal is None:
             return None
+        # It stands in the law of its joint or beside it, as others there leave room: its numbers may have had other paths.
+        paths |= zip(proposal.parameters, rival.proposal.parameters, strict=True)
         found = {**rival.search.values, **last.values}
         misfit = workshop.equipped([proposal.model]).misfit(current, proposal.model)
-        # In the law of its joint or beside it, as what is there already leaves room: its numbers may have had other paths.
-        before = dict(zip(proposal.parameters, rival.proposal.parameters, strict=True))
-        paths = {name: name if name in found else before.get(name, name) for name in misfit.names}
-        start = {name: found[path] for name, path in paths.items() if path in found}
+        before = {name: name if name in found else paths.get(name, "") for name in misfit.names}
+        start = {name: found[path] for name, path in before.items() if path in found}
         search = begin(workshop.identifier, misfit.with_values(start)).advance(STEPS)
     return search

@@ -90,6 +90,15 @@ def test_estimates_bear_the_short_names_of_the_parameters():
     }
 
 
+def test_numbers_of_a_joint_are_found_where_another_finding_has_taken_their_place():
+    names = ["joint.front.peak_force", "joint.front_peak_load.peak_force"]
+    table = xr.Dataset({"value": ("parameter", [1.0]), "std": ("parameter", [0.1])}, coords={"parameter": names[:1]})
+    rival = SimpleNamespace(proposal=Proposal("peak_load", "bump", {"joint": "front"}, None, (names[1],), {}))
+    identified = Identification(table, Status.CONVERGED, 0.0)
+    assert estimates(rival, identified, {})["peak_force"].value == 1.0
+    assert estimates(rival, identified, {}, given=names[:1]) == {}
+
+
 def test_imitations_at_one_place_are_told_as_one_unknown_force(workshop):
     force = np.zeros(100)
     force[10:30] = 1e4
