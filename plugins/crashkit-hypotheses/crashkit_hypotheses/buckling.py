@@ -9,7 +9,7 @@ from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import Effect, added, grid
+from crashkit_hypotheses.build import Effect, added, beside, grid
 from crashkit_hypotheses.sizes import compressed, largest_deformation
 
 FORCE = Parameter(0.0, 0.0, 1e8)
@@ -37,23 +37,26 @@ FADING = 0.7
 VARYING = {"shortening": Parameter(0.0, -0.3, 0.5), "weakening": Parameter(0.01, 0.0, FADING)}
 POINTED = {"pointedness": Parameter(0.5, -50.0, 0.99)}
 """Of crests: a triangle has 1 and a blunt fold less than 0."""
+RELEASED = "bell"
+"""The shape that a peak may also release by itself."""
 PHASES = (0.0, -1 / 3, 1 / 3)
 """Where in a fold the first begins, to start from."""
 
 
 class PeakLoad(Hypothesis):
-    """F = F_law + a peak on first loading."""
+    """F = F_law + a peak on first loading, which is released with the law or by itself."""
 
     physics: ClassVar[str] = "peak_load"
     sentence: ClassVar[str] = "{place} shows a peak of force before its plateau"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """A peak at several deformations of every joint that is compressed."""
-        return [
-            evolve(added(model, joint, effect), refined=effect.form in FINE)
-            for joint in compressed(model, motion)
-            for effect in self._effects(largest_deformation(motion, joint.name), _plateau(motion, joint.name))
-        ]
+        return [form for joint in compressed(model, motion) for form in self._forms(model, joint, motion)]
+
+    def _forms(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
+        effects = self._effects(largest_deformation(motion, joint.name), _plateau(motion, joint.name))
+        own = [form for effect in effects if effect.form == RELEASED for form in beside(model, joint, effect)]
+        return [*(evolve(added(model, joint, effect), refined=effect.form in FINE) for effect in effects), *own]
 
     def _effects(self, reached: float, plateau: float) -> list[Effect]:
         """Peaks of a joint that is deformed by `reached` and has its plateau from `plateau` on, m."""
@@ -91,7 +94,7 @@ def _shapes(reached: float, plateau: float, latest: float) -> list[tuple[str, st
 
 class ProgressiveFolding(Hypothesis):
     """F = F_law + a force that oscillates with deformation: a sine, or folds of any shape, that get shorter, longer, lower; or
-    with pointed or blunt crests."""
+    with pointed or blunt crests; released with the law or by itself."""
 
     physics: ClassVar[str] = "progressive_folding"
     sentence: ClassVar[str] = "the force of {place} oscillates with deformation: it folds progressively"
@@ -109,7 +112,8 @@ class ProgressiveFolding(Hypothesis):
         arched = Effect(self.physics, "shaped", "folding", shaped | ARCHED | VARYING, "amplitude", of_one_phase)
         pointed = evolve(arched, form="pointed", parameters=shaped | VARYING | POINTED)
         forms = [added(model, joint, effect) for effect in (sine, arched, pointed)]
-        return [evolve(form, refined=form.form == "pointed") for form in forms]
+        own = beside(model, joint, evolve(arched, starts=of_one_phase[::3]))
+        return [*(evolve(form, refined=form.form == "pointed") for form in forms), *own]
 
 
 def _folds(reached: float, longest: float) -> dict[str, Parameter]:

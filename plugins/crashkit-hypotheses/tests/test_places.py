@@ -94,6 +94,21 @@ def test_what_one_joint_does_in_another_is_deformed_like_the_one_and_pushes_like
         assert (factor.name, factor.factors, factor.driver) == ("second", ("driven_curve",), "first")
 
 
+@pytest.mark.parametrize(("physics", "form"), [("progressive_folding", "shaped"), ("peak_load", "bell")])
+def test_a_force_that_a_law_takes_in_is_also_proposed_beside_it(propose, physics, form):
+    """Where it stands beside the law anyway, only once."""
+    toy = toys.two_degrees()
+    forms = {p.form: p for p in propose(physics, toy) if p.location == {"joint": "first"}}
+    within, apart = forms[form], forms[f"{form}, beside"]
+    assert [joint.name for joint in within.model.joints] == ["first", "second"]
+    assert [joint.name for joint in apart.model.joints] == ["first", "second", f"first_{physics}"]
+    assert (within.refined, apart.refined) == (form == "bell", True)
+    taken = evolve(toy.joint("first"), law="linear_stop", parameters={"stiffness": FIXED, "stop_deformation": FIXED})
+    alone = evolve(toy, joints=(taken, toy.joint("second")))
+    forms = [p.form for p in propose(physics, alone) if p.location == {"joint": "first"}]
+    assert form in forms and f"{form}, beside" not in forms
+
+
 def test_joints_of_the_same_two_bodies_do_nothing_in_each_other(propose, runs):
     toy = toys.two_degrees()
     beside = evolve(toy, joints=(toy.joint("second"), evolve(toy.joint("second"), name="first")))
