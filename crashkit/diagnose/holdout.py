@@ -3,19 +3,17 @@
 from collections.abc import Mapping, Sequence
 from functools import partial
 
-import numpy as np
 import xarray as xr
 
 from crashkit.diagnose.fitting.evidence import UNEXPLAINED, is_at_noise
+from crashkit.diagnose.fitting.leftover import normalised
 from crashkit.diagnose.fitting.reidentify import refine
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.fitting.sharpen import in_the_light_of, weighed_alike
 from crashkit.diagnose.fitting.thresholds import wakened
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.look import Look
-from crashkit.diagnose.show.fits import fit_of, predict
 from crashkit.diagnose.workshop import Workshop
-from crashkit.misfit import Misfit
 from crashkit.model import Model
 
 PLAIN = 0.9
@@ -39,8 +37,8 @@ def fitted_together(
     final = discovery.final
     workshop = workshop.equipped([final.model])
     unseen = weighed_alike(workshop.first_misfit(final.model, holdout), final)
-    normalised = partial(_normalised, told_only=bool(discovery.findings))
-    if normalised(final) > UNEXPLAINED or normalised(unseen) < UNEXPLAINED:
+    left = partial(normalised, told_only=bool(discovery.findings))
+    if left(final) > UNEXPLAINED or left(unseen) < UNEXPLAINED:
         return None
     both = in_the_light_of(workshop, model, {**recordings, **holdout}, final)
     return wakened(workshop, refine(workshop.identifier, workshop.misfit(both, final.model)))
@@ -51,14 +49,7 @@ def is_contradicted(discovery: Discovery, together: Search) -> bool:
     than chance leaves says that something is missing. Of a finding, only channels whose noise is told are witnesses."""
     if not discovery.findings:
         return not is_at_noise(together)
-    return _normalised(together.fitted(), told_only=True) > UNEXPLAINED
-
-
-def _normalised(misfit: Misfit, told_only: bool) -> float:
-    """Residual over noise at the misfit's own values, of all channels or of those whose noise is told; 0 if there are none."""
-    channels = fit_of(misfit, predict(misfit)).channels
-    counts = channels["independent_samples"].values * [one.noise.trusted or not told_only for one in misfit.channels]
-    return float(np.sqrt(np.sum(channels["normalised_rmse"].values ** 2 * counts) / max(counts.sum(), 1e-9)))
+    return normalised(together.fitted(), told_only=True) > UNEXPLAINED
 
 
 def leading_looks(discovery: Discovery) -> Sequence[Look]:

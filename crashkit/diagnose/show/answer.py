@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 import xarray as xr
 from attrs import evolve
 
-from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED
+from crashkit.diagnose.fitting.evidence import FLOOR
+from crashkit.diagnose.fitting.leftover import leaves_something
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.fitting.sharpen import ROUGHLY, weighed_alike
 from crashkit.diagnose.locate.consistency import by_run, check_instruments
@@ -58,7 +59,7 @@ def answer(
     unseen = tuple(weighed_alike(equipped.first_misfit(m.model, holdout), base) for m in (base, final)) if holdout else ()
     fits, curves = _compared(base, final, unseen, together)
     result = discovery.search.result()
-    explains = not _leaves_something(fits["calibration"]["after"], final)
+    explains = not leaves_something(final)
     belief = BELIEVED if explains and not is_misleading(fits["holdout"]) else INCOMPLETE
     findings, missing = _findings(equipped, discovery, result, unseen, belief)
     verdict = _verdict(findings, explains)
@@ -169,8 +170,3 @@ def _verdict(findings: tuple[Finding, ...], explains: bool) -> str:
     if findings:
         return "unexplained" if len(named) < len(findings) else "sensor_fault"
     return "consistent" if explains else "unexplained"
-
-
-def _leaves_something(after: Fit, final: Misfit) -> bool:
-    """Whether the final model stays above a noise that is known."""
-    return all(channel.noise.trusted for channel in final.channels) and after.normalised_rmse > UNEXPLAINED
