@@ -182,7 +182,7 @@ def _won(base: Search, look: Look) -> Discovery:
 
 
 def _found_widely(inquiry: Inquiry, nearby: Nearby) -> Discovery:
-    """Look after round, with everything in sight; begun otherwise where that leaves something.
+    """Look after look, with everything in sight; begun otherwise where that leaves something.
 
     Where the first look only confirms what was found nearby, no more is asked.
     """
@@ -215,7 +215,7 @@ def _is_confirmed(found: Discovery, look: Look) -> bool:
 
 
 def _first_look(inquiry: Inquiry, near: Look) -> tuple[Search, Look]:
-    """The first round, and the best fit of the model as it is, which the winner may show to have been a local optimum."""
+    """The first look, and the best fit of the model as it is, which the winner may show to have been a local optimum."""
     base = inquiry.base
     look = look_again(inquiry, base.fitted(), [], begun=near)
     if look.winner is None:

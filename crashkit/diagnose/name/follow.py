@@ -43,8 +43,8 @@ class Discovery:
         base: the misfit of the given model, re-identified.
         final: the misfit of the augmented model, at its best fit.
         search: that fit.
-        findings: for each finding, the round that it won in the light of all the others.
-        last: the round that found nothing more.
+        findings: for each finding, the look that it won in the light of all the others.
+        last: the look that found nothing more.
         pointer: to the place of an estimated force, where the equations of motion told it.
     """
 

@@ -49,7 +49,7 @@ class Look:
 
     @property
     def leader(self) -> Rival:
-        """The most evident rival: the finding, of a round that one was made in."""
+        """The most evident rival: the finding, of a look that one was made in."""
         return self.rivals[0]
 
     def led_by(self, rival: Rival) -> "Look":
@@ -140,11 +140,11 @@ def is_given(model: Model, location: Mapping[str, object]) -> bool:
 
 
 def compared(look: Look, rivals: Sequence[Rival]) -> Look:
-    """The round as these rivals, the first ahead, would have it among themselves."""
+    """The look as these rivals, the first ahead, would have it among themselves."""
     chances, nothing = probabilities(rivals, len(rivals))
     return evolve(look, rivals=tuple(rivals), probabilities=tuple(chances.tolist()), nothing=nothing)
 
 
 def led(look: Look) -> Look:
-    """The round whose first rival is told for other reasons than its evidence, and has the best chances."""
+    """The look whose first rival is told for other reasons than its evidence, and has the best chances."""
     return evolve(look, probabilities=tuple(sorted(look.probabilities, reverse=True)))

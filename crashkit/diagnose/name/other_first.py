@@ -14,7 +14,7 @@ HOPEFUL = 4.0
 
 
 def begun_otherwise(inquiry: Inquiry, first: Look, least: float) -> tuple[Look, Look] | None:
-    """A first finding that is not the winner of the first round, and the second that it brings; None if no two fit better.
+    """A first finding that is not the winner of the first look, and the second that it brings; None if no two fit better.
 
     The form that suits one effect alone is not the one that it has beside another, nor need the claim be.
 

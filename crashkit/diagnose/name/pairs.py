@@ -24,7 +24,7 @@ from crashkit.diagnose.name.settle import settled
 
 
 def named_before_unknown(inquiry: Inquiry, look: Look) -> tuple[list[Look], Look]:
-    """Nothing and the round; or, where an unknown force has won it, what named causes fit better than its table.
+    """Nothing and the look; or, where an unknown force has won it, what named causes fit better than its table.
 
     One of them may be enough, and only be caught in a poor form or a local optimum. Two are asked for where the table leaves
     something: it takes up much of two effects at once, but not all, where each of them alone leaves the other.
@@ -59,7 +59,7 @@ def both(inquiry: Inquiry, look: Look) -> tuple[Look, Look] | None:
 
 
 def _second_beside(look: Look, without: Search, kept: tuple[str, str], found: Sequence[Rival]) -> Look:
-    """The round of all claims that were coupled with one, that one alone being found before."""
+    """The look of all claims that were coupled with one, that one alone being found before."""
     rivals = []
     for couple in look.couples:
         others = [proposal for proposal in (couple.first, couple.second) if identity(proposal) != kept]
@@ -79,7 +79,7 @@ def _is_all(rival: Rival | None, table: Rival) -> bool:
 
 
 def _named(inquiry: Inquiry, look: Look, table: Rival) -> Look:
-    """The round without estimates, with what imitates its table, its winner in the best form."""
+    """The look without estimates, with what imitates its table, its winner in the best form."""
     imitations = imitating(inquiry, table)
     rivals = [*look.rivals, *ranked_by_evidence(imitations, table.drop + table.search.deviance)]
     known = by_evidence(rival for rival in rivals if not is_unknown(rival))

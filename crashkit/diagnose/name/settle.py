@@ -1,4 +1,4 @@
-"""A round settled: its winner re-identified, challenged by what says it in fewer numbers, and by what says it as well."""
+"""A look settled: its winner re-identified, challenged by what says it in fewer numbers, and by what says it as well."""
 
 from collections.abc import Sequence
 
@@ -24,7 +24,7 @@ NEARLY = 0.9
 
 
 def settled(inquiry: Inquiry, look: Look, winner: Rival, found: Sequence[Rival]) -> Look:
-    """The round with its winner re-identified, where something is left, or numbers are strained; then challenged by claims of
+    """The look with its winner re-identified, where something is left, or numbers are strained; then challenged by claims of
     fewer numbers and by those at its place, of which the closest are asked for in all forms.
 
     Arguments:
@@ -62,7 +62,7 @@ def _challengers(inquiry: Inquiry, look: Look, found: Sequence[Rival]) -> list[P
 
 
 def _challenged(inquiry: Inquiry, look: Look, claims: Sequence[Proposal]) -> Look:
-    """The round with other claims fitted from where its winner has driven the model's own numbers.
+    """The look with other claims fitted from where its winner has driven the model's own numbers.
 
     A load on a stiff tie is a mass that is wrong, and says so in more numbers; the mass may only have stayed in a valley. And
     friction in proportion may have been on the way where a rate effect is not yet.
@@ -77,7 +77,7 @@ def _challenged(inquiry: Inquiry, look: Look, claims: Sequence[Proposal]) -> Loo
 
 
 def _contested(inquiry: Inquiry, look: Look, found: Sequence[Rival]) -> Look:
-    """The round with its winner, and what leaves hardly more at the same place, each in all forms.
+    """The look with its winner, and what leaves hardly more at the same place, each in all forms.
 
     A damper and friction that is smooth, each in a plain form, may both reach the noise, and only in their best forms differ;
     and a sharp peak, which no plain form has, is imitated by folds.

@@ -35,7 +35,7 @@ def beside_twins(workshop: Workshop, discovery: Discovery) -> Discovery:
 
 
 def _beside_twins(workshop: Workshop, discovery: Discovery, look: Look) -> Look:
-    """The round with twins, which are weighed as the finding is now: what stands beside it may have got a better form."""
+    """The look with twins, which are weighed as the finding is now: what stands beside it may have got a better form."""
     winner = evolve(look.leader, search=discovery.search)
     others = [one.leader for one in discovery.findings if one is not look]
     without = (

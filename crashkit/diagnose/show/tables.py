@@ -16,11 +16,11 @@ from crashkit.model import Model
 from crashkit.protocols import Identification, ParameterSpec, Proposal
 
 LEADING = 3
-"""Rivals of each round that are also asked for runs that they have not seen."""
+"""Rivals of each look that are also asked for runs that they have not seen."""
 
 
 def ranking_table(discovery: Discovery) -> xr.Dataset:
-    """Every rival that was fitted, round by round; the first few also with how they predict runs that are left out."""
+    """Every rival that was fitted, look by look; the first few also with how they predict runs that are left out."""
     looks = [*discovery.findings, *([discovery.last] if discovery.last else [])]
     leading = [(number, look.before, r) for number, look in enumerate(looks) for r in look.rivals[:LEADING]]
     drops = spread(lambda one: left_out_drop(one[1], one[2].search), leading)
