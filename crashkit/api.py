@@ -59,7 +59,7 @@ Show = Callable[[str], None]
 SIMULATION_INTERVAL = 1e-4
 """s between the instants of a simulation that is written to a file."""
 LONGEST = 100.0
-"""s of such a simulation: the longest roll lasts a tenth of it."""
+"""s of such a simulation, far beyond any crash: a larger number is one in other units."""
 PROGRESS_INTERVAL = 2.0
 """s between two lines of progress on the same work."""
 

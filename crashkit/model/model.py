@@ -1,6 +1,7 @@
 """The model: bodies, joints and the errors of the instruments that watch them."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TypeVar
 
 from attrs import evolve, field, frozen
 
@@ -12,6 +13,8 @@ from crashkit.model.joint import Joint
 from crashkit.model.parameter import Parameter
 from crashkit.model.summary import head_of, lines_of
 from crashkit.model.value_checks import check_paths, check_values
+
+Part = TypeVar("Part", Body, Joint)
 
 
 @frozen(repr=False)
@@ -42,17 +45,11 @@ class Model:
 
     def body(self, name: str) -> Body:
         """The body of that name; raises CrashkitError for one it does not have."""
-        known = {body.name: body for body in self.bodies}
-        if name not in known:
-            raise CrashkitError(str(choice_fault(f"model {self.name}", "bodies", name, known)))
-        return known[name]
+        return self._named("bodies", self.bodies, name)
 
     def joint(self, name: str) -> Joint:
         """The joint of that name; raises CrashkitError for one it does not have."""
-        known = {joint.name: joint for joint in self.joints}
-        if name not in known:
-            raise CrashkitError(str(choice_fault(f"model {self.name}", "joints", name, known)))
-        return known[name]
+        return self._named("joints", self.joints, name)
 
     def parameters(self) -> dict[str, Parameter]:
         """Every parameter by its path, in the order of the file."""
@@ -85,6 +82,12 @@ class Model:
         known = self.parameters()
         check_paths(values, known, f"model {self.name}")
         return self._replaced({path: evolve(known[path], value=float(value)) for path, value in values.items()})
+
+    def _named(self, noun: str, parts: Sequence[Part], name: str) -> Part:
+        known = {part.name: part for part in parts}
+        if name not in known:
+            raise CrashkitError(str(choice_fault(f"model {self.name}", noun, name, known)))
+        return known[name]
 
     def _replaced(self, changes: Mapping[str, Parameter]) -> "Model":
         return evolve(

@@ -1,18 +1,20 @@
 """What a model leaves of the recordings at its own values, beside the noise."""
 
+import math
+
 import numpy as np
 
 from crashkit.diagnose.fitting.evidence import UNEXPLAINED
 from crashkit.misfit import Misfit
 
-CHANCE = 3.0
+BY_CHANCE = 3.0
 """Standard deviations of what noise alone leaves of few samples."""
 
 
 def leaves_something(misfit: Misfit) -> bool:
     """Whether channels whose noise is told leave plainly more than that: more than 15 %, and than chance does."""
     left, samples = _left(misfit, told_only=True)
-    return bool(left > max(UNEXPLAINED, 1.0 + CHANCE / np.sqrt(2.0 * max(samples, 1.0))))
+    return left > max(UNEXPLAINED, 1.0 + BY_CHANCE / math.sqrt(2.0 * max(samples, 1.0)))
 
 
 def normalised(misfit: Misfit, told_only: bool) -> float:
@@ -22,7 +24,7 @@ def normalised(misfit: Misfit, told_only: bool) -> float:
 
 def _left(misfit: Misfit, told_only: bool) -> tuple[float, float]:
     """The residual over noise, and of how many independent samples."""
-    seen = np.array([channel.noise.trusted or not told_only for channel in misfit.channels])
-    samples = float(sum(channel.independent_samples for channel in np.array(misfit.channels, dtype=object)[seen]))
-    squares = misfit.channel_sums(misfit.residual(misfit.start()))[seen].sum()
-    return float(np.sqrt(squares / max(samples, 1e-9))), samples
+    counted = np.array([channel.noise.trusted or not told_only for channel in misfit.channels])
+    samples = float(counted @ [channel.independent_samples for channel in misfit.channels])
+    squares = float(counted @ misfit.channel_sums(misfit.residual(misfit.start())))
+    return math.sqrt(squares / max(samples, 1e-9)), samples

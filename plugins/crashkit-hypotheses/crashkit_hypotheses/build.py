@@ -69,21 +69,21 @@ def linked(model: Model, joint: Joint, driver: Joint, effect: Effect) -> Proposa
 
 def added(model: Model, joint: Joint, effect: Effect) -> Proposal:
     """A force in the loading curve of `joint`, so that it unloads with it; beside it where its law takes none."""
-    if is_added_beside(joint, effect):
-        return parallel(model, joint, effect)
-    return changed(model, joint, evolve(effect, law=f"{joint.law} + {effect.law}"))
+    if takes_in(joint, effect):
+        return changed(model, joint, evolve(effect, law=f"{joint.law} + {effect.law}"))
+    return parallel(model, joint, effect)
 
 
 def beside(model: Model, joint: Joint, effect: Effect) -> list[Proposal]:
     """A force that a joint adds to its own but releases by itself; none where `added` has no other place for it."""
-    if is_added_beside(joint, effect):
+    if not takes_in(joint, effect):
         return []
     return [evolve(parallel(model, joint, evolve(effect, form=f"{effect.form}, beside")), refined=True)]
 
 
-def is_added_beside(joint: Joint, effect: Effect) -> bool:
-    """Whether the law of a joint does not take a force into its loading curve."""
-    return " + " in joint.law or f"{joint.law} + {effect.law}" not in load().spring_laws
+def takes_in(joint: Joint, effect: Effect) -> bool:
+    """Whether the law of a joint takes a force into its loading curve."""
+    return " + " not in joint.law and f"{joint.law} + {effect.law}" in load().spring_laws
 
 
 def pushing_beside(model: Model, joint: Joint, effect: Effect) -> list[Proposal]:
