@@ -22,6 +22,10 @@ class Estimate:
     units: str
 
 
+IN_WORDS = 0.01
+"""Probability from which a rival is told in words, not only listed."""
+
+
 @frozen
 class Alternative:
     """A rival explanation of the same misfit."""
@@ -65,6 +69,11 @@ class Finding:
     def anywhere(self) -> float:
         """The probability of this physics, here or where a rival puts it."""
         return self.probability + sum(one.probability for one in self.alternatives if one.physics == self.physics)
+
+    @property
+    def is_split(self) -> bool:
+        """Whether rivals put the same physics at other places, with a probability that is told in words."""
+        return self.anywhere > self.probability + IN_WORDS
 
 
 @frozen

@@ -13,7 +13,7 @@ import xarray as xr
 from attrs import evolve
 from jinja2 import UndefinedError
 
-from crashkit.diagnose.result import Diagnosis, Fit
+from crashkit.diagnose.result import Alternative, Diagnosis, Fit
 from crashkit.report import write_report
 from crashkit.report.page import render
 
@@ -112,6 +112,14 @@ def test_tables_show_hypotheses_fits_instruments_and_parameters(page: Page, diag
     assert "joint.front.unloading_stiffness 3.200×10⁶ (4.9 ± 8.0)×10⁶ N/m not identifiable" in page.sections["parameters"]
     assert "joint.front.rate_coefficient – 0.02210 ± 0.00060 s/m new" in page.sections["parameters"]
     assert "no run rebounds far enough" in page.sections["notes"]
+
+
+def test_a_physics_that_may_be_at_either_of_two_places_is_told_with_both_together(diagnosis):
+    (finding, *rest) = diagnosis.findings
+    rival = Alternative(finding.physics, "", {"joint": "rear"}, 0.3)
+    split = evolve(finding, probability=0.6, alternatives=(rival,))
+    assert "(there or at another place: 90 %)" in render(evolve(diagnosis, findings=(split, *rest)))
+    assert "at another place" not in render(diagnosis)
 
 
 def test_what_was_to_be_expected_of_a_prediction_stands_beside_it(diagnosis):

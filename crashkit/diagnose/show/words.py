@@ -9,7 +9,7 @@ from attrs import evolve
 
 from crashkit.diagnose.fitting.evidence import FLOOR
 from crashkit.diagnose.name.follow import Discovery
-from crashkit.diagnose.result import Diagnosis, Estimate, Finding, Fit, place_of
+from crashkit.diagnose.result import IN_WORDS, Diagnosis, Estimate, Finding, Fit, place_of
 from crashkit.diagnose.show.fits import is_beyond, is_explained, is_worse
 from crashkit.model import Model, Parameter
 from crashkit.protocols import Identification
@@ -163,10 +163,10 @@ def number(estimate: Estimate) -> str:
 def _lines_of(finding: Finding) -> list[str]:
     lines = [f"- {finding.physics} ({finding.form}) at {place_of(finding.location)}, probability {finding.probability:.3f}:"]
     lines.append(f"  {finding.sentence}; " + ", ".join(f"{name} {number(e)}" for name, e in _main(finding)))
-    if finding.alternatives and finding.alternatives[0].probability > 0.01:
+    if finding.alternatives and finding.alternatives[0].probability > IN_WORDS:
         rival = finding.alternatives[0]
         lines.append(f"  or {rival.physics} at {place_of(rival.location)} ({rival.probability:.3f}); {finding.experiment}")
-    if finding.anywhere > finding.probability:
+    if finding.is_split:
         lines.append(f"  {finding.physics}, at one of these places: {finding.anywhere:.3f}")
     return lines
 

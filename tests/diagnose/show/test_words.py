@@ -91,6 +91,8 @@ def test_where_a_rival_says_the_same_of_another_place_both_are_told_together():
     friction = Finding("joint_friction", "sharp", "it rubs", 0.48, {"joint": "a"}, (), (0.0, 1.0), "both", {})
     rival = Alternative("joint_friction", "sharp", {"joint": "b"}, 0.48)
     assert "joint_friction, at one of these places: 0.960" in diagnosed(evolve(friction, alternatives=(rival,)))
+    hardly = evolve(rival, probability=1e-4)
+    assert "at one of these places" not in diagnosed(evolve(friction, alternatives=(hardly,)))
     other = evolve(rival, physics="viscous_damping")
     assert "at one of these places" not in diagnosed(evolve(friction, alternatives=(other,)))
 
