@@ -2,7 +2,9 @@
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from typing import TypeVar
+from typing import Any, TypeVar
+
+import numpy as np
 
 from crashkit.diagnose.result import place_of
 from crashkit.diagnose.workshop import Workshop
@@ -10,7 +12,7 @@ from crashkit.errors import SimulationError
 from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
 
-Found = TypeVar("Found")
+Found = TypeVar("Found", bound=tuple[Proposal, Any])
 Progress = Callable[[str, float], None]
 Start = tuple[Proposal, Mapping[str, float]]
 """A proposal, and values by path to begin at."""
@@ -31,6 +33,11 @@ def form_of(proposal: Proposal) -> tuple[str, ...]:
     return *identity(proposal), proposal.form
 
 
+def price_of(proposal: Proposal, samples: float) -> float:
+    """Of a claim's numbers, in chi squared: k ln n (Schwarz 1978, doi:10.1214/aos/1176344136)."""
+    return float(len(proposal.parameters) * np.log(samples))
+
+
 def accuses_instrument(proposal: Proposal) -> bool:
     """Whether it says no more than what an instrument reads; that a body turns is said of the body."""
     return not {"sensor", "instrument"}.isdisjoint(proposal.location)
@@ -47,9 +54,7 @@ def propose_all(workshop: Workshop, base: Misfit) -> list[Proposal]:
     return workshop.proposals(base.model, motions, list(base.recordings.values()))
 
 
-def first_of_each(
-    ranked: Sequence[tuple[Proposal, Found]], most: int, kind: Callable[[Proposal], tuple[str, ...]] = form_of
-) -> list[tuple[Proposal, Found]]:
+def first_of_each(ranked: Sequence[Found], most: int, kind: Callable[[Proposal], tuple[str, ...]] = form_of) -> list[Found]:
     """The best few of each claim in each form, or of another kind."""
     seen: Counter[tuple[str, ...]] = Counter()
     chosen = []

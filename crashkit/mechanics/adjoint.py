@@ -71,7 +71,7 @@ def _to_parameter(layout: Layout, path: str, start: Floats, to_laws: Floats, to_
     return float(start[dof * (bodies * row + body) + k]) if moved else 0.0
 
 
-def seeds_of(weights: xr.Dataset, times: Floats, axes: Sequence[str], names: xr.Coordinates) -> Floats:
+def seeds_of(weights: xr.Dataset, times: Floats, axes: tuple[str, ...], names: xr.Coordinates) -> Floats:
     """Weights of a motion's quantities as those of a record's entries (time, entry), without memories.
 
     Raises:
@@ -97,7 +97,7 @@ def seeds_of(weights: xr.Dataset, times: Floats, axes: Sequence[str], names: xr.
     return np.concatenate([*flat[:4], by_joint.reshape(len(times), -1), flat[4]], axis=1)
 
 
-def _along(vector: Floats, axes: Sequence[str], turning: bool) -> Floats:
+def _along(vector: Floats, axes: tuple[str, ...], turning: bool) -> Floats:
     """Weights of a vector's components as those of the velocities of the kernel."""
     count, dof = len(axes), DOF[len(axes)]
     out = np.zeros((*vector.shape[:2], dof))

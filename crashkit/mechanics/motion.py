@@ -34,7 +34,7 @@ BY_JOINT = ("deformation", "deformation_rate", "force")
 XYZ = ("x", "y", "z")
 
 
-def motion_of(record: Record, times: Floats, axes: Sequence[str], names: xr.Coordinates, paths: Sequence[str]) -> xr.Dataset:
+def motion_of(record: Record, times: Floats, axes: tuple[str, ...], names: xr.Coordinates, paths: Sequence[str]) -> xr.Dataset:
     """The motion that a run recorded.
 
     Arguments:
@@ -44,18 +44,24 @@ def motion_of(record: Record, times: Floats, axes: Sequence[str], names: xr.Coor
         names: coordinates `body`, `axis` and `joint`, and `joint_bodies`.
         paths: the parameters that the sensitivities are to.
     """
-    count = names["joint"].size, names["body"].size
-    arrays = recorded(record.values, axes, *count)
     indexes = [_index("time", times, {"units": "s"})]
     if paths:
         indexes.append(_index("parameter", np.array(paths, dtype=str), {}))
-        tangents, _ = quantities(record.tangents, axes, *count)
-        arrays |= {f"{name}_sensitivity": values for name, values in tangents.items()}
-    variables = {name: _variable(name, values) for name, values in arrays.items()}
+    variables = {name: _variable(name, values) for name, values in arrays_of(record, axes, names).items()}
     return xr.Dataset(variables, _extended(names, indexes))
 
 
-def recorded(values: Floats, axes: Sequence[str], joints: int, bodies: int) -> dict[str, Floats]:
+def arrays_of(record: Record, axes: tuple[str, ...], names: xr.Coordinates) -> dict[str, Floats]:
+    """The variables of the motion that a run recorded, with their sensitivities where it has any."""
+    count = names["joint"].size, names["body"].size
+    arrays = recorded(record.values, axes, *count)
+    if record.tangents.shape[0]:
+        tangents, _ = quantities(record.tangents, axes, *count)
+        arrays |= {f"{name}_sensitivity": values for name, values in tangents.items()}
+    return arrays
+
+
+def recorded(values: Floats, axes: tuple[str, ...], joints: int, bodies: int) -> dict[str, Floats]:
     """Quantities (time, body or joint, ...) from the values of a record (time, entry)."""
     arrays, rest = quantities(values, axes, joints, bodies)
     if len(axes) == 3:
@@ -66,7 +72,7 @@ def recorded(values: Floats, axes: Sequence[str], joints: int, bodies: int) -> d
     return arrays
 
 
-def quantities(entries: Floats, axes: Sequence[str], joints: int, bodies: int) -> tuple[dict[str, Floats], Floats]:
+def quantities(entries: Floats, axes: tuple[str, ...], joints: int, bodies: int) -> tuple[dict[str, Floats], Floats]:
     """Quantities (time, body or joint, ...) from the entries of a record (time, entry, ...), and the entries left over."""
     dof = DOF[len(axes)]
     n = dof * bodies
@@ -82,14 +88,18 @@ def quantities(entries: Floats, axes: Sequence[str], joints: int, bodies: int) -
         elif len(axes) == 3:
             arrays[straight], arrays[turning] = values[:, :, :3], values[:, :, 3:]
         else:
-            arrays[straight] = _in_space(values[:, :, :2], np.eye(3)[[XYZ.index(axis) for axis in axes]])
-            arrays[turning] = _in_space(values[:, :, 2:], normal_of(axes)[None])
+            arrays[straight], arrays[turning] = _in_space(values, axes)
     return arrays, rest
 
 
-def _in_space(values: Floats, directions: Floats) -> Floats:
-    """Components (time, body, direction, ...) along some directions as a vector in space."""
-    return np.moveaxis(np.tensordot(values, directions, (2, 0)), -1, 2)
+def _in_space(values: Floats, axes: tuple[str, ...]) -> tuple[Floats, Floats]:
+    """The vector along two axes and the one about their normal, (time, body, x y z, ...), of components in the plane."""
+    across, straight = normal_of(axes), np.zeros((*values.shape[:2], 3, *values.shape[3:]))
+    turning = straight.copy()
+    straight[:, :, [XYZ.index(axis) for axis in axes]] = values[:, :, :2]
+    about = int(np.flatnonzero(across)[0])
+    turning[:, :, about] = across[about] * values[:, :, 2]
+    return straight, turning
 
 
 def turned(rotation: Floats, normal: Floats) -> Floats:

@@ -11,7 +11,7 @@ from crashkit.errors import SimulationError
 from crashkit.mechanics.kernel.arrays import START, Floats, Record, Work
 from crashkit.mechanics.kernel.run import DONE
 from crashkit.mechanics.layout import DOF
-from crashkit.mechanics.motion import motion_of
+from crashkit.mechanics.motion import arrays_of, motion_of
 from crashkit.mechanics.run import bodies_of, joints_of, prepare, record_of, work_of
 from crashkit.mechanics.simulator import NO_HISTORY, Simulator, with_knots
 
@@ -51,6 +51,7 @@ class RepeatedRun:
         self._instants = with_knots(times, self._layout)
         self._rows = np.searchsorted(self._instants, times)
         self._arrays: dict[bool, tuple[Work, Work]] = {}
+        self._told: dict[tuple[str, ...], xr.Dataset] = {}
 
     def record(self, values: Floats, sensitivities: bool = False) -> Record:
         """The run at these values of `paths`; its arrays are overwritten by the next run in this thread, of whichever model.
@@ -72,8 +73,11 @@ class RepeatedRun:
     def motion(self, record: Record) -> xr.Dataset:
         """What a record tells, as `Simulator.run` returns it."""
         paths = self.paths if record.tangents.shape[0] else ()
-        copy = Record(*(array.copy() for array in record))
-        return motion_of(copy, self.times, self._layout.axes, self._simulator.names, paths)
+        own, axes, names = Record(*(array.copy() for array in record)), self._layout.axes, self._simulator.names
+        if paths not in self._told:
+            self._told[paths] = motion_of(own, self.times, axes, names, paths)
+        # To put a Dataset together costs more than a short run.
+        return self._told[paths].copy(data=arrays_of(own, axes, names))
 
     def entry(self, quantity: str, body: str, axis: str) -> int | None:
         """Where a record holds a quantity of `BY_BODY`; None where it does not.

@@ -1,6 +1,7 @@
 """One run: parameter values, initial state and columns of sensitivities, filled into the arrays of the kernel."""
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -69,7 +70,8 @@ def _initial_rotation(
         start[1, own, axes:] = rates if axes == 3 else (rates @ normal_of(layout.axes))[:, None]
 
 
-def normal_of(axes: Sequence[str]) -> Floats:
+@cache
+def normal_of(axes: tuple[str, ...]) -> Floats:
     """The axis about which angles of a plane are positive: its first axis turns to its second."""
     first, second = (np.eye(3)["xyz".index(axis)] for axis in axes)
     return np.cross(first, second)

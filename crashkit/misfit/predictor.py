@@ -141,8 +141,9 @@ class Predictor:
         if not sensitivities:
             return Prediction(samples, None)
         slope = read[f"{observer.quantity}_sensitivity"].values if self._columns else None
-        by_error = read[f"{observer.quantity}_error_sensitivity"].values
-        return Prediction(samples, self._table(group, slope, by_error, [spec.name for spec in observer.errors]))
+        errors = [spec.name for spec in observer.errors] if group.name in self._wrong else []
+        by_error = read[f"{observer.quantity}_error_sensitivity"].values if errors else np.empty((*samples.shape, 0))
+        return Prediction(samples, self._table(group, slope, by_error, errors))
 
     def _errors(self, group: Group, values: Floats) -> SensorErrors:
         return instrument_errors(self.model, dict(zip(self.names, values.tolist(), strict=True))).get(group.name, {})

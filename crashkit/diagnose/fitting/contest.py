@@ -1,20 +1,18 @@
 """From many claims to the few that fit: a score for all, a quick search for the promising, long ones for those ahead."""
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 from crashkit.campaign import spread
 from crashkit.diagnose.claims import Progress, Start, first_of_each, identity
+from crashkit.diagnose.fitting.candidates import Candidate, advance_candidates, begin_candidates, weigh_candidates
 from crashkit.diagnose.fitting.quadratic import Extended, tangent
 from crashkit.diagnose.fitting.score import Score, score
-from crashkit.diagnose.fitting.search import Search, advance_all, begin, begin_all, weighed
+from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
-
-Entrant = tuple[Proposal, Search]
 
 GROWING = (1 / 3, 2 / 3, 1.0)
 """Shares of the time recorded that are looked at one after the other where a search begins far from the recordings."""
@@ -55,7 +53,7 @@ def scouted(
     most: int,
     astray: float,
     progress: Progress,
-) -> list[Entrant]:
+) -> list[Candidate]:
     """Searches from where quick ones at few instants end, of which the best go on.
 
     Arguments:
@@ -79,7 +77,7 @@ def scouted(
     found = zip(starts, spread(ahead_of, starts, told), strict=True)
     ahead = sorted(((proposal, *end) for (proposal, _), end in found), key=lambda one: one[2])[:most]
     misfits = [workshop.misfit(origin, proposal.model).with_values(values) for proposal, values, _ in ahead]
-    return list(zip((proposal for proposal, *_ in ahead), begin_all(workshop.identifier, misfits), strict=True))
+    return begin_candidates(workshop.identifier, [proposal for proposal, *_ in ahead], misfits)
 
 
 def _scout(
@@ -93,39 +91,30 @@ def _scout(
     return values, search.state.cost
 
 
-def heats(entrants: Sequence[Entrant], sizes: Sequence[tuple[int, int]], progress: Progress) -> list[Entrant]:
+def heats(candidates: Sequence[Candidate], sizes: Sequence[tuple[int, int]], progress: Progress) -> list[Candidate]:
     """Successive halving: a few steps for all, then many steps for the few that are ahead, weighed by what each leaves.
 
     Arguments:
         sizes: how many enter each heat, and how many steps each gets there.
     """
     for size, steps in sizes:
-        ahead = _ahead(entrants, size)
-        proposals = [proposal for proposal, _ in ahead]
-        told = partial(_told, progress, proposals)
-        entrants = list(zip(proposals, advance_all([search for _, search in ahead], steps, told), strict=True))
-    return list(zip((proposal for proposal, _ in entrants), weighed([search for _, search in entrants]), strict=True))
+        ahead = _ahead(candidates, size)
+        candidates = advance_candidates(ahead, steps, partial(_told, progress, [one.proposal for one in ahead]))
+    return weigh_candidates(candidates)
 
 
-def _ahead(entrants: Sequence[Entrant], size: int) -> list[Entrant]:
+def _ahead(candidates: Sequence[Candidate], size: int) -> list[Candidate]:
     """The best of them; half the places are kept from estimated tables, whose many heights fit better than they explain.
 
     Whatever its forms, one claim does not take more than half of the others: the next ones may only be in a poorer form.
     """
-    ranked = sorted(entrants, key=priced)
-    tables = [entrant for entrant in ranked if entrant[0].physics == UNKNOWN][: size // 2]
-    named = [entrant for entrant in ranked if entrant[0].physics != UNKNOWN]
+    ranked = sorted(candidates, key=lambda one: one.priced)
+    tables = [one for one in ranked if one.proposal.physics == UNKNOWN][: size // 2]
+    named = [one for one in ranked if one.proposal.physics != UNKNOWN]
     places = size - len(tables)
     first = first_of_each(named, max(1, places // 2), identity)
-    rest = [entrant for entrant in named if not any(entrant is one for one in first)]
+    rest = [one for one in named if not any(one is other for other in first)]
     return [*[*first, *rest][:places], *tables]
-
-
-def priced(entrant: Entrant) -> float:
-    """Cost with the price of the numbers that were added, as the evidence counts them: forms of one claim with more and more
-    numbers would take the places of a simpler one that explains as much."""
-    proposal, search = entrant
-    return search.state.cost + 0.5 * len(proposal.parameters) * math.log(search.misfit.independent_samples)
 
 
 def _told(progress: Progress, proposals: Sequence[Proposal], done: int) -> None:

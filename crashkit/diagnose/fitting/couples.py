@@ -7,8 +7,7 @@ import numpy as np
 from attrs import evolve, frozen
 
 from crashkit.campaign import spread
-from crashkit.diagnose.claims import Progress, first_of_each, identity, is_same, propose_all
-from crashkit.diagnose.fitting.evidence import price_of
+from crashkit.diagnose.claims import Progress, first_of_each, identity, is_same, price_of, propose_all
 from crashkit.diagnose.fitting.regress import OPENING, End, regression, residual_and_jacobian, simulated
 from crashkit.diagnose.fitting.search import Search, advance_all
 from crashkit.diagnose.result import UNKNOWN

@@ -5,8 +5,8 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from attrs import evolve, frozen
 
-from crashkit.diagnose.claims import identity
-from crashkit.diagnose.fitting.contest import Entrant
+from crashkit.diagnose.claims import identity, price_of
+from crashkit.diagnose.fitting.candidates import Candidate
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.protocols import Proposal
@@ -63,6 +63,11 @@ class Rival:
         """Where, for people."""
         return place_of(self.proposal.location)
 
+    @property
+    def without(self) -> float:
+        """Deviance of the model without the claim."""
+        return self.search.deviance + self.drop
+
 
 def is_unknown(rival: Rival) -> bool:
     """Whether it claims a force that no list has."""
@@ -74,7 +79,7 @@ def by_evidence(rivals: Iterable[Rival]) -> list[Rival]:
     return sorted(rivals, key=lambda rival: -rival.evidence)
 
 
-def ranked_by_evidence(fitted: Iterable[Entrant], reference: float) -> list[Rival]:
+def ranked_by_evidence(fitted: Iterable[Candidate], reference: float) -> list[Rival]:
     """Fits weighed against the deviance of the model without any claim, the most evident first."""
     fitted = list(fitted)
     known = min((search.excess for proposal, search in fitted if proposal.physics != UNKNOWN), default=0.0)
@@ -92,11 +97,6 @@ def rival_of(proposal: Proposal, search: Search, reference: float, known: float 
     price = price_of(proposal, search.misfit.independent_samples)
     credit = _credit(proposal, search, known)
     return Rival(proposal, search, drop, 0.5 * (credit * drop - price) + float(np.log(proposal.odds)))
-
-
-def price_of(proposal: Proposal, samples: float) -> float:
-    """Of a claim's numbers, in chi squared: k ln n."""
-    return float(len(proposal.parameters) * np.log(samples))
 
 
 def _credit(proposal: Proposal, search: Search, known: float) -> float:

@@ -7,7 +7,8 @@ import numpy as np
 
 from crashkit.campaign import spread
 from crashkit.diagnose.claims import Progress, first_of_each
-from crashkit.diagnose.fitting.contest import Entrant, heats
+from crashkit.diagnose.fitting.candidates import Candidate
+from crashkit.diagnose.fitting.contest import heats
 from crashkit.diagnose.fitting.continuation import grown
 from crashkit.diagnose.fitting.evidence import explains
 from crashkit.diagnose.fitting.search import Search, advance_all, begin_all
@@ -58,7 +59,7 @@ def opened(workshop: Workshop, given: Misfit, proposals: Sequence[Proposal], pro
 
 def regressed(
     workshop: Workshop, given: Misfit, proposals: Sequence[Proposal], ends: Sequence[End | None], progress: Progress
-) -> list[Entrant]:
+) -> list[Candidate]:
     """Searches from where longer regressions lead the claims that leave least of the equations.
 
     Arguments:
@@ -75,7 +76,7 @@ def regressed(
     known = [proposal.physics != UNKNOWN for proposal, _ in ahead]
     doing = f"showing the recordings to {len(starts)} claims"
     searches = simulated(workshop.identifier, starts, known, lambda share: progress(doing, share))
-    return heats(list(zip((proposal for proposal, _ in ahead), searches, strict=True)), HEATS, progress)
+    return heats([Candidate(proposal, search) for (proposal, _), search in zip(ahead, searches, strict=True)], HEATS, progress)
 
 
 def simulated(

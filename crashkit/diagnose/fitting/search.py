@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -46,12 +47,12 @@ class Search:
         """Where the search stands, in search variables."""
         return np.asarray(self.state.point)
 
-    @property
+    @cached_property
     def values(self) -> dict[str, float]:
         """The numbers of the model there, by path."""
         return self.misfit.values(self.point)
 
-    @property
+    @cached_property
     def deviance(self) -> float:
         """Minus twice the log likelihood there; infinite where the model cannot be simulated."""
         if not np.isfinite(self.state.cost):

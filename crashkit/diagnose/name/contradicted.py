@@ -10,7 +10,6 @@ from crashkit.diagnose.fitting.evidence import (
     by_evidence,
     explains,
     is_unknown,
-    probabilities,
     ranked_by_evidence,
     rival_of,
 )
@@ -65,7 +64,7 @@ def _second_best(inquiry: Inquiry, rivals: Sequence[Rival]) -> Discovery | None:
     if not ranked or not explains(ranked[0].search):
         return None
     look = look_again(inquiry, ranked[0].search.fitted(), ranked[:1])
-    found, _ = followed(inquiry, [_told(inquiry, ranked)], look)
+    found, _ = followed(inquiry, [Look.of(ranked, inquiry.base.fitted())], look)
     return found if len(found.findings) == 1 else None
 
 
@@ -83,8 +82,8 @@ def named_nevertheless(inquiry: Inquiry, looks: Sequence[Look], found: Discovery
     ranked = _ranked(inquiry, [first])
     if not ranked or ranked[0].search.normalised > CONCEALED:
         return found
-    told = ranked[0].search
-    return Discovery.of(inquiry.base, told, (led(_told(inquiry, [*ranked, estimate])),))
+    told = led(Look.of([*ranked, estimate], inquiry.base.fitted()))
+    return Discovery.of(inquiry.base, ranked[0].search, (told,))
 
 
 def _ranked(inquiry: Inquiry, rivals: Sequence[Rival]) -> list[Rival]:
@@ -97,12 +96,6 @@ def _ranked(inquiry: Inquiry, rivals: Sequence[Rival]) -> list[Rival]:
     forms = in_all_forms(inquiry, leader, [], leader.search)
     everything = [*fitted, *ranked_by_evidence(forms, inquiry.base.deviance)]
     return best_forms(by_evidence(everything))
-
-
-def _told(inquiry: Inquiry, ranked: Sequence[Rival]) -> Look:
-    """The look that these are the only rivals of."""
-    chances, nothing = probabilities(ranked, len(ranked))
-    return Look(tuple(ranked), tuple(chances.tolist()), nothing, inquiry.base.fitted())
 
 
 def _fitted(inquiry: Inquiry, rival: Rival) -> list[Rival]:

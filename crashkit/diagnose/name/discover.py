@@ -6,7 +6,8 @@ from functools import partial
 from attrs import evolve
 
 from crashkit.diagnose.claims import propose_all
-from crashkit.diagnose.fitting.evidence import FLOOR, explains, probabilities, ranked_by_evidence
+from crashkit.diagnose.fitting.candidates import Candidate
+from crashkit.diagnose.fitting.evidence import FLOOR, explains, ranked_by_evidence
 from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.reidentify import reidentify
 from crashkit.diagnose.fitting.search import STEPS, begin
@@ -100,10 +101,8 @@ def _clock(inquiry: Inquiry, late: Mapping[str, float]) -> Look:
         instrument = str(claim.location["instrument"])
         values = {**put_right[instrument], claim.parameters[0]: late[instrument]}
         misfit = workshop.misfit(given, claim.model).with_values(values)
-        fitted.append((claim, begin(workshop.identifier, misfit).advance(STEPS)))
-    rivals = ranked_by_evidence(fitted, inquiry.base.deviance)
-    chances, nothing = probabilities(rivals, len(rivals))
-    return Look(tuple(rivals), tuple(chances.tolist()), nothing, current)
+        fitted.append(Candidate(claim, begin(workshop.identifier, misfit).advance(STEPS)))
+    return Look.of(ranked_by_evidence(fitted, inquiry.base.deviance), current)
 
 
 def _put_right(inquiry: Inquiry, instrument: str, late: float) -> Mapping[str, float]:

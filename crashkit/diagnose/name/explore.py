@@ -127,7 +127,7 @@ def _told_beside(inquiry: Inquiry, reading: Look, structure: Rival) -> Look:
     search = inquiry.fit_with(forms[:1], forms[0].search)
     if search is None:
         return reading
-    told = rival_of(forms[0].proposal, search, claim.search.deviance + claim.drop)
+    told = rival_of(forms[0].proposal, search, claim.without)
     return reading.led_by(told)
 
 

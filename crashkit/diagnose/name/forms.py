@@ -9,9 +9,9 @@ from attrs import evolve
 from crashkit.campaign import spread
 from crashkit.diagnose.claims import Start, first_of_each, identity, propose_all
 from crashkit.diagnose.fitting.back_to_given import begun_from_given
-from crashkit.diagnose.fitting.contest import Entrant, priced
+from crashkit.diagnose.fitting.candidates import Candidate, advance_candidates, begin_candidates, weigh_candidates
 from crashkit.diagnose.fitting.evidence import Rival, explains, is_unknown, ranked_by_evidence, rival_of
-from crashkit.diagnose.fitting.search import Search, advance_all, begin, begin_all, weighed
+from crashkit.diagnose.fitting.search import Search, begin
 from crashkit.diagnose.name.force_matching import most_alike
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look
@@ -42,7 +42,7 @@ def in_best_forms(
             continue
         others = [other.leader for other in looks if other is not look]
         without = search.deviance + look.leader.drop
-        forms = [*in_all_forms(inquiry, look.leader, others, search), (look.leader.proposal, search)]
+        forms = [*in_all_forms(inquiry, look.leader, others, search), Candidate(look.leader.proposal, search)]
         best = _eased(inquiry, ranked_by_evidence(forms, without)[0], without)
         if best.evidence > look.leader.evidence:
             seen = _as_seen(inquiry.workshop, look, best)
@@ -66,7 +66,7 @@ def _as_seen(workshop: Workshop, look: Look, rival: Rival) -> Rival:
     return evolve(rival, search=begin(workshop.identifier, misfit).advance(ALONE))
 
 
-def in_all_forms(inquiry: Inquiry, rival: Rival, others: Sequence[Rival], search: Search) -> list[Entrant]:
+def in_all_forms(inquiry: Inquiry, rival: Rival, others: Sequence[Rival], search: Search) -> list[Candidate]:
     """Fits of a claim in all its forms, from where its present one, or what stands in for it, has driven all other numbers."""
     without = inquiry.fit_with(others, search)
     if without is None:
@@ -83,18 +83,17 @@ def in_all_forms(inquiry: Inquiry, rival: Rival, others: Sequence[Rival], search
         partial(_alone, equipped, origin, search.fitted()), starts, lambda done: inquiry.progress(doing, done / len(starts))
     )
     misfits = [with_form(equipped, origin, form, values) for (form, _), values in zip(starts, ahead, strict=True)]
-    searches = begin_all(equipped.identifier, misfits)
-    return _fitted(list(zip((form for form, _ in starts), searches, strict=True)))
+    return _fitted(begin_candidates(equipped.identifier, [form for form, _ in starts], misfits))
 
 
-def _fitted(entrants: Sequence[Entrant]) -> list[Entrant]:
+def _fitted(candidates: Sequence[Candidate]) -> list[Candidate]:
     """Each form from the best of its starts: in a common heat, those of one form that meet in one optimum take all places."""
     for forms, starts, steps in HEATS:
-        ranked = sorted(entrants, key=priced)
-        leading = list(dict.fromkeys(form.form for form, _ in ranked))[:forms]
-        ahead = first_of_each([entrant for entrant in ranked if entrant[0].form in leading], starts)
-        entrants = list(zip((form for form, _ in ahead), advance_all([search for _, search in ahead], steps), strict=True))
-    return list(zip((form for form, _ in entrants), weighed([search for _, search in entrants]), strict=True))
+        ranked = sorted(candidates, key=lambda one: one.priced)
+        leading = list(dict.fromkeys(one.proposal.form for one in ranked))[:forms]
+        ahead = first_of_each([one for one in ranked if one.proposal.form in leading], starts)
+        candidates = advance_candidates(ahead, steps)
+    return weigh_candidates(candidates)
 
 
 def _starts(form: Proposal, present: Proposal, found: Mapping[str, float]) -> Sequence[Mapping[str, float]]:

@@ -1,13 +1,12 @@
 """Named causes that act as an estimated force does, begun at the numbers that the model has beside that."""
 
-from collections.abc import Sequence
 from functools import partial
 
 from crashkit.campaign import spread
 from crashkit.diagnose.claims import first_of_each, identity, propose_all
-from crashkit.diagnose.fitting.contest import Entrant, heats, priced
+from crashkit.diagnose.fitting.candidates import Candidate, begin_candidates
+from crashkit.diagnose.fitting.contest import heats
 from crashkit.diagnose.fitting.evidence import Rival
-from crashkit.diagnose.fitting.search import begin_all
 from crashkit.diagnose.name.forms import along, with_form
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.result import UNKNOWN, place_of
@@ -20,7 +19,7 @@ CLAIMS = (4, 60)
 """The same for the best form of each claim."""
 
 
-def imitating(inquiry: Inquiry, table: Rival) -> list[Entrant]:
+def imitating(inquiry: Inquiry, table: Rival) -> list[Candidate]:
     """Fits of the known causes at the place of an estimated force.
 
     A cause that is not named drives the model's own numbers away, and a search that begins there may never come back. Beside
@@ -36,12 +35,6 @@ def imitating(inquiry: Inquiry, table: Rival) -> list[Entrant]:
     ranked = sorted(zip((proposal for proposal, _ in starts), ends, strict=True), key=lambda one: one[1][1])
     ahead = first_of_each(ranked, 1)[: FORMS[0]]
     misfits = [with_form(equipped, origin, proposal, values) for proposal, (values, _) in ahead]
-    entrants = list(zip((p for p, _ in ahead), begin_all(equipped.identifier, misfits), strict=True))
-    return heats(_best_of_each_claim(heats(entrants, (FORMS,), inquiry.progress)), (CLAIMS,), inquiry.progress)
-
-
-def _best_of_each_claim(fitted: Sequence[Entrant]) -> list[Entrant]:
-    claims: dict[tuple[str, str], Entrant] = {}
-    for proposal, search in sorted(fitted, key=priced):
-        claims.setdefault(identity(proposal), (proposal, search))
-    return list(claims.values())
+    forms = heats(begin_candidates(equipped.identifier, [p for p, _ in ahead], misfits), (FORMS,), inquiry.progress)
+    best = first_of_each(sorted(forms, key=lambda one: one.priced), 1, identity)
+    return heats(best, (CLAIMS,), inquiry.progress)

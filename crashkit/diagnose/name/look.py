@@ -47,6 +47,12 @@ class Look:
     limits: tuple[Limit, ...] = field(default=())
     couples: tuple[Couple, ...] = field(default=())
 
+    @classmethod
+    def of(cls, rivals: Sequence[Rival], before: Misfit, tried: int = 0) -> "Look":
+        """One that these are the rivals of, the first ahead, among so many claims that were tried; 0: no others."""
+        chances, nothing = probabilities(rivals, tried or len(rivals))
+        return cls(tuple(rivals), tuple(chances.tolist()), nothing, before)
+
     @property
     def leader(self) -> Rival:
         """The most evident rival: the finding, of a look that one was made in."""
@@ -101,8 +107,8 @@ def look_again(
         further = further_rivals(equipped, current, given, proposals, ranked, afresh, inquiry.progress)
         ranked, couples = list(further.rivals), tuple(further.couples)
     best = best_forms(ranked)
-    chances, nothing = probabilities(best, len({identity(p) for p in proposals}))
-    return Look(tuple(best), tuple(chances.tolist()), nothing, current, least, tuple(limits), couples)
+    look = Look.of(best, current, len({identity(p) for p in proposals}))
+    return evolve(look, least=least, limits=tuple(limits), couples=couples)
 
 
 def open_claims(inquiry: Inquiry, current: Misfit, found: Sequence[Rival]) -> list[Proposal]:
@@ -141,8 +147,8 @@ def is_given(model: Model, location: Mapping[str, object]) -> bool:
 
 def compared(look: Look, rivals: Sequence[Rival]) -> Look:
     """The look as these rivals, the first ahead, would have it among themselves."""
-    chances, nothing = probabilities(rivals, len(rivals))
-    return evolve(look, rivals=tuple(rivals), probabilities=tuple(chances.tolist()), nothing=nothing)
+    told = Look.of(rivals, look.before)
+    return evolve(told, least=look.least, limits=look.limits, couples=look.couples)
 
 
 def led(look: Look) -> Look:

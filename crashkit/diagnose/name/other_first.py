@@ -35,7 +35,7 @@ def _others(inquiry: Inquiry, first: Look) -> Iterable[Rival]:
     """The most evident of the winner's other forms and of the other claims."""
     winner, *others = first.rivals
     fitted = in_all_forms(inquiry, winner, [], winner.search)
-    ranked = ranked_by_evidence(fitted, winner.search.deviance + winner.drop)
+    ranked = ranked_by_evidence(fitted, winner.without)
     forms = {rival.proposal.form: rival for rival in reversed(ranked) if rival.proposal.form != winner.proposal.form}
     named = [rival for rival in others if not is_unknown(rival)]
     hopeful = [one for one in (*forms.values(), *named) if one.search.deviance < HOPEFUL * winner.search.deviance]

@@ -81,7 +81,7 @@ def _is_all(rival: Rival | None, table: Rival) -> bool:
 def _named(inquiry: Inquiry, look: Look, table: Rival) -> Look:
     """The look without estimates, with what imitates its table, its winner in the best form."""
     imitations = imitating(inquiry, table)
-    rivals = [*look.rivals, *ranked_by_evidence(imitations, table.drop + table.search.deviance)]
+    rivals = [*look.rivals, *ranked_by_evidence(imitations, table.without)]
     known = by_evidence(rival for rival in rivals if not is_unknown(rival))
     first = compared(look, best_forms(known))
     if first.winner is None:

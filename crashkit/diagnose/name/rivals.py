@@ -6,7 +6,8 @@ import numpy as np
 from attrs import frozen
 
 from crashkit.diagnose.claims import Progress, Start, identity, is_same
-from crashkit.diagnose.fitting.contest import GROWING, Entrant, heats, promising, scores, scouted
+from crashkit.diagnose.fitting.candidates import Candidate
+from crashkit.diagnose.fitting.contest import GROWING, heats, promising, scores, scouted
 from crashkit.diagnose.fitting.couples import Couple, coupled
 from crashkit.diagnose.fitting.evidence import FLOOR, STRAINED, Rival, explains, is_strained, ranked_by_evidence
 from crashkit.diagnose.fitting.regress import opened, regressed
@@ -94,7 +95,7 @@ def nearest_rivals(
     return ranked_by_evidence(heats(ahead, HEATS, progress), base.deviance(residual)), _limits(scored)
 
 
-def _ahead(workshop: Workshop, base: Misfit, chosen: Sequence[Start], progress: Progress) -> list[Entrant]:
+def _ahead(workshop: Workshop, base: Misfit, chosen: Sequence[Start], progress: Progress) -> list[Candidate]:
     """Short fits of the claims about the structure, and of those about a sensor that may explain half as much as the best."""
     astray, most = _astray(workshop, base), HEATS[0][0]
     structure, readings = ([one for one in chosen if (sensor_of(one[0]) is not None) is read] for read in (False, True))
@@ -123,7 +124,7 @@ def further_rivals(
         afresh: whether to look from the given values, where the base may hide physics.
     """
     deviance, astray = base.deviance(base.residual(base.start())), _astray(workshop, base)
-    fitted = [(rival.proposal, rival.search) for rival in nearest]
+    fitted = [Candidate(rival.proposal, rival.search) for rival in nearest]
     couples: list[Couple] = []
     if afresh and may_conceal(base) and not _any_explains(fitted):
         plain = [proposal for proposal in proposals if not proposal.refined]
@@ -138,7 +139,7 @@ def further_rivals(
 def standing(base: Misfit) -> tuple[float, bool]:
     """The normalised residual of a model, and whether its numbers are strained."""
     residual = base.residual(base.start())
-    return float(np.sqrt(residual @ residual / base.independent_samples)), base.departure(base.start()) > STRAINED
+    return float(np.sqrt(residual @ residual / base.independent_samples)), base.departure(base.start()) >= STRAINED
 
 
 def may_conceal(base: Misfit) -> bool:
@@ -154,7 +155,7 @@ def _astray(workshop: Workshop, base: Misfit) -> float:
 
 def _from_given(
     workshop: Workshop, given: Misfit, proposals: Sequence[Proposal], astray: float, progress: Progress
-) -> tuple[list[Entrant], list[Couple]]:
+) -> tuple[list[Candidate], list[Couple]]:
     """Claims from the values that the user gave: along the measured motion, and where none explains everything, couples of
     them, and those that it says nothing about simulated.
     """
@@ -172,7 +173,7 @@ def _from_given(
     return [*found, *heats(begun, HEATS, progress)], []
 
 
-def _any_explains(fitted: Iterable[Entrant]) -> bool:
+def _any_explains(fitted: Iterable[Candidate]) -> bool:
     return any(explains(search) for _, search in fitted)
 
 
@@ -199,7 +200,7 @@ def _polished(
     proposals: Sequence[Proposal],
     astray: float,
     progress: Progress,
-) -> list[Entrant]:
+) -> list[Candidate]:
     """Every form of the leading claims, searched from many starts.
 
     Only where the winner has not reached the noise floor, or is an estimate: another form of its own, or of its closest

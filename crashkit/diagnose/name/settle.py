@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from attrs import evolve
 
 from crashkit.diagnose.claims import accuses_instrument, is_same
+from crashkit.diagnose.fitting.candidates import begin_candidates
 from crashkit.diagnose.fitting.contest import heats
 from crashkit.diagnose.fitting.evidence import FLOOR, Rival, best_forms, by_evidence, explains, is_unknown, ranked_by_evidence
-from crashkit.diagnose.fitting.search import begin_all
 from crashkit.diagnose.name.forms import in_all_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look, compared, open_claims
@@ -44,8 +44,7 @@ def _reidentified(inquiry: Inquiry, look: Look, winner: Rival) -> Look:
     gained = winner.search.deviance - found.deviance
     if not gained > 0.0:
         return look
-    better = evolve(winner, search=found, drop=winner.drop + gained, evidence=winner.evidence + 0.5 * gained)
-    return look.led_by(better)
+    return look.led_by(evolve(winner, search=found, drop=winner.drop + gained, evidence=winner.evidence + 0.5 * gained))
 
 
 def _challengers(inquiry: Inquiry, look: Look, found: Sequence[Rival]) -> list[Proposal]:
@@ -70,8 +69,8 @@ def _challenged(inquiry: Inquiry, look: Look, claims: Sequence[Proposal]) -> Loo
     winner = look.leader
     workshop = inquiry.workshop.equipped([claim.model for claim in claims])
     misfits = [workshop.misfit(look.before, claim.model).with_values_of(winner.search.fitted()) for claim in claims]
-    begun = list(zip(claims, begin_all(workshop.identifier, misfits), strict=True))
-    fitted = ranked_by_evidence(heats(begun, HEATS, inquiry.progress), winner.search.deviance + winner.drop)
+    begun = begin_candidates(workshop.identifier, claims, misfits)
+    fitted = ranked_by_evidence(heats(begun, HEATS, inquiry.progress), winner.without)
     ranked = best_forms(by_evidence([*look.rivals, *fitted]))
     return compared(look, ranked) if not is_unknown(ranked[0]) else look
 
@@ -88,7 +87,7 @@ def _contested(inquiry: Inquiry, look: Look, found: Sequence[Rival]) -> Look:
     if winner.search.normalised > CONCEALED or len(close) < 2:
         return look
     fitted = [one for rival in close for one in in_all_forms(inquiry, rival, found, rival.search)]
-    forms = ranked_by_evidence(fitted, winner.search.deviance + winner.drop)
+    forms = ranked_by_evidence(fitted, winner.without)
     return compared(look, best_forms(by_evidence([*look.rivals, *forms])))
 
 

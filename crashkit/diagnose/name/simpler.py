@@ -3,10 +3,10 @@
 from attrs import evolve
 
 from crashkit.diagnose.claims import accuses_instrument, is_same
-from crashkit.diagnose.fitting.contest import heats, priced
+from crashkit.diagnose.fitting.candidates import Candidate, begin_candidates
+from crashkit.diagnose.fitting.contest import heats
 from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import Rival, is_unknown
-from crashkit.diagnose.fitting.search import begin_all
 from crashkit.diagnose.name.follow import TIE, Discovery
 from crashkit.diagnose.name.forms import with_form
 from crashkit.diagnose.name.inquiry import Inquiry
@@ -32,7 +32,7 @@ def in_fewer_numbers(inquiry: Inquiry, found: Discovery) -> Discovery:
     if len(look.leader.proposal.parameters) < MANY:
         return found
     couple = _best_couple(inquiry, look)
-    if couple is None or couple.cost > priced((look.leader.proposal, look.leader.search)) - 0.5 * TIE:
+    if couple is None or couple.cost > Candidate(look.leader.proposal, look.leader.search).priced - 0.5 * TIE:
         return found
     two = both(inquiry, evolve(look, couples=(couple,)))
     if two is None or two[0].winner is None:
@@ -53,7 +53,7 @@ def _couples_with(inquiry: Inquiry, first: Rival, plain: list[Rival]) -> list[Co
     alone = first.search.fitted()
     open_ = [p for p in open_claims(inquiry, alone, [first]) if any(is_same(p, rival.proposal) for rival in plain)]
     workshop = inquiry.workshop.equipped([claim.model for claim in open_])
-    begun = [(claim, with_form(workshop, alone, claim, start)) for claim in open_ for start in claim.starts]
-    searches = begin_all(workshop.identifier, [misfit for _, misfit in begun])
-    fitted = heats(list(zip((claim for claim, _ in begun), searches, strict=True)), HEATS, inquiry.progress)
-    return [Couple(first.proposal, claim, search) for claim, search in fitted]
+    starts = [(claim, start) for claim in open_ for start in claim.starts]
+    misfits = [with_form(workshop, alone, claim, start) for claim, start in starts]
+    begun = begin_candidates(workshop.identifier, [claim for claim, _ in starts], misfits)
+    return [Couple(first.proposal, *fitted) for fitted in heats(begun, HEATS, inquiry.progress)]

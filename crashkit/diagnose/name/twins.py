@@ -5,10 +5,11 @@ from collections.abc import Sequence
 from attrs import evolve
 
 from crashkit.diagnose.claims import identity, propose_all
-from crashkit.diagnose.fitting.contest import Entrant, heats
+from crashkit.diagnose.fitting.candidates import Candidate, begin_candidates
+from crashkit.diagnose.fitting.contest import heats
 from crashkit.diagnose.fitting.evidence import Rival, best_forms, by_evidence, is_unknown, ranked_by_evidence
 from crashkit.diagnose.fitting.rebuild import rebuild
-from crashkit.diagnose.fitting.search import Search, begin, begin_all
+from crashkit.diagnose.fitting.search import Search, begin
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.forms import with_form
 from crashkit.diagnose.name.look import Look, compared, is_given
@@ -44,13 +45,13 @@ def _beside_twins(workshop: Workshop, discovery: Discovery, look: Look) -> Look:
     twins = [] if without is None else _twins(workshop, discovery.base.model, without, winner, others)
     if without is None or not twins:
         return look
-    fitted = ranked_by_evidence(heats(twins, HEATS, lambda doing, share: None), winner.search.deviance + winner.drop)
+    fitted = ranked_by_evidence(heats(twins, HEATS, lambda doing, share: None), winner.without)
     leading = max([winner, *fitted], key=lambda rival: rival.evidence)
     rivals = by_evidence([winner, *look.rivals[1:], *fitted])
     return compared(evolve(look, before=without.fitted()), best_forms([leading, *rivals]))
 
 
-def _twins(workshop: Workshop, model: Model, without: Search, winner: Rival, others: Sequence[Rival]) -> list[Entrant]:
+def _twins(workshop: Workshop, model: Model, without: Search, winner: Rival, others: Sequence[Rival]) -> list[Candidate]:
     """Searches of all claims of the same numbers at places of a model, from where they are, beside the other findings."""
     numbers = _numbers(winner)
     origin, known = without.misfit.with_values_of(winner.search.fitted()), {rival.identity for rival in (winner, *others)}
@@ -59,7 +60,7 @@ def _twins(workshop: Workshop, model: Model, without: Search, winner: Rival, oth
     equipped = workshop.equipped([twin.model for twin in twins])
     starts = [{path: numbers[own_name(path)] for path in twin.parameters} for twin in twins]
     misfits = [with_form(equipped, origin, twin, start) for twin, start in zip(twins, starts, strict=True)]
-    return list(zip(twins, begin_all(workshop.identifier, misfits), strict=True))
+    return begin_candidates(workshop.identifier, twins, misfits)
 
 
 def _numbers(rival: Rival) -> dict[str, float]:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from crashkit.diagnose.claims import propose_all
+from crashkit.diagnose.fitting.candidates import Candidate
 from crashkit.diagnose.fitting.contest import GROWING, heats, scores, scouted
 from crashkit.diagnose.result import UNKNOWN
 from crashkit.errors import SimulationError
@@ -14,23 +15,23 @@ from crashkit.model.edit import with_joint
 from crashkit.protocols import Proposal
 
 
-def entrant(physics, cost, numbers=()):
+def candidate(physics, cost, numbers=()):
     """A claim whose search of a thousand samples stands still."""
     misfit = SimpleNamespace(independent_samples=1000.0, channels=())
     search = SimpleNamespace(state=SimpleNamespace(cost=cost), misfit=misfit, settled=True, advance=lambda steps: search)
-    return Proposal(physics, "", {"joint": "front"}, None, numbers, {}), search
+    return Candidate(Proposal(physics, "", {"joint": "front"}, None, numbers, {}), search)
 
 
-def ahead(entrants, size, monkeypatch):
-    monkeypatch.setattr("crashkit.diagnose.fitting.contest.advance_all", lambda searches, steps, told: searches)
-    return [(p.physics, search.state.cost) for p, search in heats(entrants, ((size, 1),), lambda doing, share: None)]
+def ahead(candidates, size, monkeypatch):
+    monkeypatch.setattr("crashkit.diagnose.fitting.candidates.advance_all", lambda searches, steps, told: searches)
+    return [(p.physics, search.state.cost) for p, search in heats(candidates, ((size, 1),), lambda doing, share: None)]
 
 
 def test_estimated_tables_take_half_of_the_places_at_most(monkeypatch):
     """Two dozen heights fit better than the law that is missing, and explain less."""
     tables, named = (
-        [entrant(UNKNOWN, cost) for cost in (1.0, 2.0, 3.0)],
-        [entrant("fracture", cost) for cost in (9.0, 8.0, 7.0)],
+        [candidate(UNKNOWN, cost) for cost in (1.0, 2.0, 3.0)],
+        [candidate("fracture", cost) for cost in (9.0, 8.0, 7.0)],
     )
     best = [("fracture", 7.0), ("fracture", 8.0), (UNKNOWN, 1.0), (UNKNOWN, 2.0)]
     assert ahead([*tables, *named], 4, monkeypatch) == best
@@ -38,15 +39,15 @@ def test_estimated_tables_take_half_of_the_places_at_most(monkeypatch):
 
 def test_numbers_that_explain_nothing_more_cost_a_place(monkeypatch):
     """A load on a stiff tie moves like a mass that is wrong."""
-    tied = [entrant("carried_load", cost, ("mass", "stiffness", "damping")) for cost in (90.0, 91.0)]
-    assert ahead([*tied, entrant("added_mass", 95.0, ("mass",))], 1, monkeypatch)[0] == ("added_mass", 95.0)
-    assert ahead([*tied, entrant("added_mass", 98.0, ("mass",))], 1, monkeypatch)[0] == ("carried_load", 90.0)
+    tied = [candidate("carried_load", cost, ("mass", "stiffness", "damping")) for cost in (90.0, 91.0)]
+    assert ahead([*tied, candidate("added_mass", 95.0, ("mass",))], 1, monkeypatch)[0] == ("added_mass", 95.0)
+    assert ahead([*tied, candidate("added_mass", 98.0, ("mass",))], 1, monkeypatch)[0] == ("carried_load", 90.0)
 
 
 def test_one_claim_takes_half_of_the_places_and_what_others_leave(monkeypatch):
     """In a better form another one may be ahead of it."""
-    forms = [entrant("rate_dependence", cost) for cost in (1.0, 2.0, 3.0)]
-    others = [entrant("relaxation", cost) for cost in (8.0, 9.0)]
+    forms = [candidate("rate_dependence", cost) for cost in (1.0, 2.0, 3.0)]
+    others = [candidate("relaxation", cost) for cost in (8.0, 9.0)]
     assert ahead([*others, *forms], 2, monkeypatch) == [("rate_dependence", 1.0), ("relaxation", 8.0)]
     best = [("rate_dependence", 1.0), ("rate_dependence", 2.0), ("relaxation", 8.0), ("relaxation", 9.0)]
     assert ahead([*others, *forms], 4, monkeypatch) == best
@@ -55,7 +56,7 @@ def test_one_claim_takes_half_of_the_places_and_what_others_leave(monkeypatch):
 
 @pytest.mark.parametrize("physics", [UNKNOWN, "fracture"])
 def test_places_that_nobody_else_wants_are_not_lost(monkeypatch, physics):
-    entrants = [entrant(physics, cost) for cost in (3.0, 1.0, 2.0)]
+    entrants = [candidate(physics, cost) for cost in (3.0, 1.0, 2.0)]
     expected = [1.0, 2.0] if physics == UNKNOWN else [1.0, 2.0, 3.0]
     assert [cost for _, cost in ahead(entrants, 4, monkeypatch)] == expected
 

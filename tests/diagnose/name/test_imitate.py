@@ -3,7 +3,6 @@
 import pytest
 
 from crashkit.diagnose.claims import identity, propose_all
-from crashkit.diagnose.fitting.contest import priced
 from crashkit.diagnose.fitting.evidence import is_unknown, rival_of
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name.imitate import imitating
@@ -31,7 +30,7 @@ def table(workshop, base):
 
 def test_the_cause_is_found_with_its_numbers(inquiry, base, table):
     assert is_unknown(table) and table.search.normalised < 0.5 * base.normalised
-    proposal, search = min(imitating(inquiry(base), table), key=priced)
+    proposal, search = min(imitating(inquiry(base), table), key=lambda one: one.priced)
     assert identity(proposal) == ("fracture", "joint first")
     assert search.normalised == pytest.approx(1.0, abs=0.03)
     values = search.misfit.values(search.point)
