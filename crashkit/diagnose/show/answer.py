@@ -20,12 +20,7 @@ from crashkit.diagnose.show.experiment import experiment
 from crashkit.diagnose.show.finding import estimates, make_finding, stand_ins
 from crashkit.diagnose.show.fits import curves_of, fit_of, is_misleading, predict
 from crashkit.diagnose.show.run_drops import run_drops
-from crashkit.diagnose.show.tables import (
-    identified_table,
-    limits_table,
-    ranking_table,
-    units_of,
-)
+from crashkit.diagnose.show.tables import identified_table, limits_table, ranking_table
 from crashkit.diagnose.show.words import far_off, noted, summarise
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
@@ -64,7 +59,7 @@ def answer(
     findings, missing = _findings(equipped, discovery, result, unseen, belief)
     verdict = _verdict(findings, explains)
     consistency = check_instruments(by_run(base))
-    identified = identified_table(discovery, result, units_of(final.model, final.groups, workshop))
+    identified = identified_table(discovery, result)
     detectable = limits_table(workshop, discovery)
     return Diagnosis(
         verdict=verdict,
@@ -104,7 +99,6 @@ def _compared(
 def _findings(
     workshop: Workshop, discovery: Discovery, identified: Identification, unseen: tuple[Misfit, ...], belief: float
 ) -> tuple[tuple[Finding, ...], xr.DataTree]:
-    units = units_of(discovery.final.model, discovery.final.groups, workshop)
     told: list[tuple[Finding, dict[str, xr.Dataset]]] = []
     for look in discovery.findings:
         rival = look.leader
@@ -113,7 +107,7 @@ def _findings(
         finding = make_finding(
             rival,
             kind,
-            estimates(rival, identified, units, discovery.base.names),
+            estimates(rival, identified, discovery.base.names),
             belief * look.probabilities[0],
             _alternatives(look, belief),
             {run: one for run, one in action.items() if not one.attrs["holdout"]},

@@ -16,9 +16,7 @@ RUN_DROP = 9.0
 """Drop in chi squared that a run must show by itself to be named."""
 
 
-def estimates(
-    rival: Rival, identified: Identification, units: Mapping[str, str], given: Collection[str] = ()
-) -> dict[str, Estimate]:
+def estimates(rival: Rival, identified: Identification, given: Collection[str] = ()) -> dict[str, Estimate]:
     """The new parameters by their own names, as identified in the final model.
 
     Arguments:
@@ -30,7 +28,7 @@ def estimates(
     rows = {path: table.sel(parameter=path) for path in paths if path in known}
     short = [own_name(path) for path in rows]
     told = {path: name if short.count(name) == 1 else path for path, name in zip(rows, short, strict=True)}
-    return {told[path]: Estimate(float(r["value"]), float(r["std"]), units.get(path, "")) for path, r in rows.items()}
+    return {told[path]: Estimate(float(r["value"]), float(r["std"]), str(r["units"].values)) for path, r in rows.items()}
 
 
 def _elsewhere(known: Collection[str], path: str, rival: Rival) -> str:

@@ -1,6 +1,6 @@
 """The tables and curves behind a diagnosis."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
@@ -12,8 +12,8 @@ from crashkit.diagnose.result import own_name, place_of
 from crashkit.diagnose.show.left_out import left_out_drop
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Group
-from crashkit.model import Model
-from crashkit.protocols import Identification, ParameterSpec, Proposal
+from crashkit.misfit.units import units_of
+from crashkit.protocols import Identification, Proposal
 
 LEADING = 3
 """Rivals of each look that are also asked for runs that they have not seen."""
@@ -59,35 +59,14 @@ def _limit_row(
     workshop: Workshop, groups: Sequence[Group], proposal: Proposal, smallest: float
 ) -> tuple[str, str, str, str, float, str]:
     path = proposal.parameters[0]
-    unit = units_of(proposal.model, groups, workshop).get(path, "")
+    unit = units_of(proposal.model, workshop.laws, groups).get(path, "")
     return proposal.physics, proposal.form, place_of(proposal.location), own_name(path), smallest, unit
 
 
-def identified_table(discovery: Discovery, result: Identification, units: Mapping[str, str]) -> xr.Dataset:
+def identified_table(discovery: Discovery, result: Identification) -> xr.Dataset:
     """The parameters of the final model, beside those of the re-identified one."""
     table = result.parameters
     names = [str(name) for name in table["parameter"].values]
     before = {name: p.value for name, p in discovery.base.model.free_parameters().items()}
-    return table[["value", "std", "identifiable"]].assign(
-        units=("parameter", np.array([units.get(name, "") for name in names], dtype=str)),
-        before=("parameter", np.array([before.get(name, np.nan) for name in names])),
-    )
-
-
-def units_of(model: Model, groups: Iterable[Group], workshop: Workshop) -> dict[str, str]:
-    """The unit of every parameter, by path; those of an error depend on the instrument, one of the groups."""
-    units = {f"body.{body.name}.mass": "kg" for body in model.bodies}
-    for joint in model.joints:
-        units[f"joint.{joint.name}.free_length"] = "m"
-        for law in (workshop.laws[name] for name in (joint.law, *joint.factors)):
-            units |= {f"joint.{joint.name}.{spec.name}": spec.unit for spec in law.parameters}
-    errors = {group.name: group.observer.errors for group in groups}
-    for entry in model.instruments:
-        specs = errors.get(entry.instrument, ())
-        prefix = f"instrument.{entry.instrument}.{entry.sensor}."
-        units |= {prefix + name: _unit(specs, name) for name in entry.parameters}
-    return {path: units.get(path.split("[")[0], "") for path in model.parameters()}
-
-
-def _unit(specs: Sequence[ParameterSpec], name: str) -> str:
-    return next((spec.unit for spec in specs if spec.name == name), "")
+    earlier = np.array([before.get(name, np.nan) for name in names])
+    return table[["value", "std", "units", "identifiable"]].assign(before=("parameter", earlier))

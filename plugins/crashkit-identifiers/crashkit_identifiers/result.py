@@ -3,10 +3,12 @@
 import numpy as np
 import xarray as xr
 
+from crashkit.misfit import Misfit
+from crashkit.misfit.units import units_of
 from crashkit.protocols import Identification, Problem, Status
 from crashkit_identifiers.parabola import CONFIDENCE, Parabola, parabola_at
 from crashkit_identifiers.profile import intervals
-from crashkit_identifiers.units import units_of
+from crashkit_identifiers.recorded import laws_of
 
 UNSEEN_STD = 1.0
 """A parameter, or a combination, that the data leave this uncertain relative to its value is not identifiable."""
@@ -100,7 +102,8 @@ def _table(problem: Problem, columns: dict[str, np.ndarray]) -> xr.Dataset:
         {name: ("parameter", values) for name, values in columns.items()},
         coords={"parameter": names, "parameter_2": names},
     )
-    return table.assign(units=("parameter", units_of(problem)))
+    known = units_of(problem.model, laws_of(problem), problem.groups) if isinstance(problem, Misfit) else {}
+    return table.assign(units=("parameter", np.array([known.get(name, "") for name in names], dtype=str)))
 
 
 def _remarks(names: list[str], found: Parabola) -> list[str]:

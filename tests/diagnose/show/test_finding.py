@@ -77,13 +77,16 @@ def shifted(dataset):
     return dataset.assign(position=dataset["position"] + 2e-3)
 
 
+def identified(names, values, stds, units):
+    columns = {"value": values, "std": stds, "units": units}
+    return xr.Dataset({name: ("parameter", column) for name, column in columns.items()}, coords={"parameter": names})
+
+
 def test_estimates_bear_the_short_names_of_the_parameters():
     names = ["joint.front.crush_force", "joint.front_peak.peak_force", "joint.front_peak.peak_deformation"]
-    table = xr.Dataset(
-        {"value": ("parameter", [1.0, 2.0, 3.0]), "std": ("parameter", [0.1, 0.2, 0.3])}, coords={"parameter": names}
-    )
+    table = identified(names, [1.0, 2.0, 3.0], [0.1, 0.2, 0.3], ["N", "N", "m"])
     rival = SimpleNamespace(proposal=Proposal("peak_load", "bump", {}, None, tuple(names[1:]), {}), place="")
-    told = estimates(rival, Identification(table, Status.CONVERGED, 0.0), {names[1]: "N", names[2]: "m"})
+    told = estimates(rival, Identification(table, Status.CONVERGED, 0.0))
     assert {name: (e.value, e.std, e.units) for name, e in told.items()} == {
         "peak_force": (2.0, 0.2, "N"),
         "peak_deformation": (3.0, 0.3, "m"),
@@ -92,11 +95,11 @@ def test_estimates_bear_the_short_names_of_the_parameters():
 
 def test_numbers_of_a_joint_are_found_where_another_finding_has_taken_their_place():
     names = ["joint.front.peak_force", "joint.front_peak_load.peak_force"]
-    table = xr.Dataset({"value": ("parameter", [1.0]), "std": ("parameter", [0.1])}, coords={"parameter": names[:1]})
+    table = identified(names[:1], [1.0], [0.1], ["N"])
     rival = SimpleNamespace(proposal=Proposal("peak_load", "bump", {"joint": "front"}, None, (names[1],), {}))
-    identified = Identification(table, Status.CONVERGED, 0.0)
-    assert estimates(rival, identified, {})["peak_force"].value == 1.0
-    assert estimates(rival, identified, {}, given=names[:1]) == {}
+    found = Identification(table, Status.CONVERGED, 0.0)
+    assert estimates(rival, found)["peak_force"].value == 1.0
+    assert estimates(rival, found, given=names[:1]) == {}
 
 
 def test_imitations_at_one_place_are_told_as_one_unknown_force(workshop):

@@ -7,7 +7,7 @@ import xarray as xr
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.show.action import action_of
-from crashkit.diagnose.show.tables import units_of
+from crashkit.misfit.units import units_of
 from crashkit.model import Parameter
 from crashkit.model.edit import with_instrument_error
 
@@ -20,7 +20,7 @@ def test_the_offset_of_a_load_cell_is_a_force(workshop, model, recorded, misfit)
     run = run.assign(plate=xr.DataTree(cell))
     for instrument in ("accelerometer", "plate"):
         model = with_instrument_error(model, instrument, "front_sensor", "bias", Parameter(0.0))
-    units = units_of(model, misfit(model, run=run).groups, workshop)
+    units = units_of(model, workshop.laws, misfit(model, run=run).groups)
     assert units["instrument.plate.front_sensor.bias"] == "N"
     assert units["instrument.accelerometer.front_sensor.bias"] == "m s-2"
 
