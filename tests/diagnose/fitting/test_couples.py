@@ -65,10 +65,10 @@ def test_no_couple_holds_one_claim_twice_and_none_comes_twice(couples):
 def test_each_of_two_findings_is_weighed_beside_the_other(workshop, inquiry, given, couples):
     base = begin(workshop.identifier, given).advance(40)
     look = Look((), (), 1.0, base.fitted(), couples=tuple(couples))
-    rounds = both(inquiry(base), look)
-    assert rounds is not None
-    assert {one.winner.identity for one in rounds} == SECRETS
-    for one in rounds:
+    looks = both(inquiry(base), look)
+    assert looks is not None
+    assert {one.winner.identity for one in looks} == SECRETS
+    for one in looks:
         without = begin(workshop.identifier, one.before)
         assert one.winner.drop == pytest.approx(without.deviance - couples[0].search.deviance, rel=1e-6)
         # A rival is another claim that was coupled with the one that stays.

@@ -22,7 +22,7 @@ SENSOR = {"sensor": "front_sensor", "instrument": "accelerometer"}
 
 
 def leaving(normalised, physics="fracture", location=None):
-    """A round whose winner leaves so much."""
+    """A look whose winner leaves so much."""
     point = SimpleNamespace(departure=lambda at: 0.0)
     search = SimpleNamespace(normalised=normalised, excess=normalised**2 - 1.0, misfit=point, point=None)
     rival = Rival(Proposal(physics, "", location or {"joint": "front"}, None, (), {}), search, 9000.0, 4500.0)

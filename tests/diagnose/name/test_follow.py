@@ -119,7 +119,7 @@ def test_an_estimate_beside_a_named_finding_must_explain_a_tenth_of_it(physics, 
 
 
 def leaving(physics, left):
-    """A round whose winner leaves so much of the noise."""
+    """A look whose winner leaves so much of the noise."""
     search = SimpleNamespace(normalised=left, excess=left**2 - 1.0, fitted=lambda: None)
     return Look((Rival(Proposal(physics, "", {"joint": physics}, None, (), {}), search, 9e5, 4.5e5),), (1.0,), 0.0, None)
 

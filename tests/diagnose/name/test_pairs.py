@@ -1,4 +1,4 @@
-"""Named causes instead of a table: in a better form, or two; whose round comes first, and when the table stays."""
+"""Named causes instead of a table: in a better form, or two; whose look comes first, and when the table stays."""
 
 from types import SimpleNamespace
 
@@ -25,7 +25,7 @@ def won_by(*rivals):
 
 @pytest.fixture
 def named(monkeypatch, inquiry):
-    """What stands in the place of a round that a table won, where later looks are these, a claim alone fits so well, and the
+    """What stands in the place of a look that a table won, where later looks are these, a claim alone fits so well, and the
     best named cause in its best form so well."""
 
     def ask(look, later, alone=3000.0, formed=None, imitation=None, is_all=False):

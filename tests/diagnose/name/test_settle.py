@@ -1,4 +1,4 @@
-"""A round settled: its winner re-identified, and challenged by what says it in fewer numbers or acts at its place."""
+"""A look settled: its winner re-identified, and challenged by what says it in fewer numbers or acts at its place."""
 
 from types import SimpleNamespace
 
