@@ -10,6 +10,8 @@ from types import ModuleType
 
 import platformdirs
 
+from crashkit.data.files import atomic_write
+
 DATED = 1_000_000_000
 """Modification time of a file that is kept: the same whoever writes it, so that what was compiled of it stays valid."""
 
@@ -24,12 +26,12 @@ def kept(name: str) -> bytes | None:
 
 def keep(name: str, content: bytes) -> None:
     """Write a file at once, so that a process running beside this one sees all of it or nothing."""
-    path = folder() / name
-    handle, draft = tempfile.mkstemp(dir=path.parent, suffix=".draft")
-    with os.fdopen(handle, "wb") as file:
-        file.write(content)
-    os.utime(draft, (DATED, DATED))
-    os.replace(draft, path)
+
+    def write(draft: Path) -> None:
+        draft.write_bytes(content)
+        os.utime(draft, (DATED, DATED))
+
+    atomic_write(folder() / name, write)
 
 
 def module_of(name: str, source: str) -> ModuleType:

@@ -1,21 +1,12 @@
 """Files that are either whole or not there."""
 
-import os
-import tempfile
 from pathlib import Path
+
+from crashkit.data.files import atomic_write
 
 
 def write_text(path: Path, text: str) -> Path:
-    """Write a file and its folders; a reader sees the old file or the new one, never a part."""
+    """Write a file and its folders, whole or not at all, and return its path."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-")
-    partial = Path(name)
-    try:
-        with os.fdopen(descriptor, "w", encoding="utf-8") as stream:
-            stream.write(text)
-        partial.chmod(0o644)  # mkstemp keeps the file to its owner; a report is there to be passed on
-        partial.replace(path)
-    except BaseException:
-        partial.unlink(missing_ok=True)
-        raise
+    atomic_write(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
     return path

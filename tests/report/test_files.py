@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from crashkit.errors import CrashkitError
 from crashkit.report.files import write_text
 
 
@@ -21,8 +22,8 @@ def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path: Path, monkeypa
     def fail(*_: object) -> None:
         raise OSError("disk full")
 
-    monkeypatch.setattr(Path, "replace", fail)
-    with pytest.raises(OSError, match="disk full"):
+    monkeypatch.setattr("os.replace", fail)
+    with pytest.raises(CrashkitError, match="disk full"):
         write_text(path, "new")
     assert path.read_text("utf-8") == "old"
     assert list(tmp_path.iterdir()) == [path]
