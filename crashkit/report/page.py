@@ -13,6 +13,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 from plotly.offline import get_plotlyjs
 
 from crashkit.diagnose.fitting.evidence import FLOOR
+from crashkit.diagnose.locate.consistency import SIGNIFICANT
 from crashkit.diagnose.result import Diagnosis, Finding, place_of
 from crashkit.report import words
 from crashkit.report.channels import UNRATED, ChannelCurves, ChannelFit, channels_of, fits_of
@@ -21,9 +22,6 @@ from crashkit.report.document import MODELS, SETS
 from crashkit.report.files import write_text
 
 Row = dict[str, Any]
-
-INCONSISTENT = 5.0
-"""Standard deviations from which two instruments are said to disagree."""
 
 SET_NAMES = {"holdout": "Held-out runs, never fitted", "calibration": "Fitted runs"}
 
@@ -51,7 +49,7 @@ def render(diagnosis: Diagnosis) -> str:
         with_left_out=any(math.isfinite(row["left_out_drop"]) for row in rows(diagnosis.ranking, "hypothesis")),
         detectable=rows(diagnosis.detectable, "effect"),
         consistency=rows(diagnosis.consistency, "check"),
-        inconsistent=INCONSISTENT,
+        inconsistent=SIGNIFICANT,
         infinity=math.inf,
         floor=FLOOR,
         identified=rows(diagnosis.identified, "parameter"),

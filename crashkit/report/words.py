@@ -10,34 +10,17 @@ SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 @frozen
 class Verdict:
-    """A verdict for people: its colour on the page (a class of the style sheet), a headline, and what it means."""
+    """A verdict for people: its colour on the page (a class of the style sheet), and a headline."""
 
     colour: str
     headline: str
-    meaning: str
 
 
 VERDICTS = {
-    "consistent": Verdict(
-        "good",
-        "The model agrees with the recordings",
-        "What is left between simulation and recordings is measurement noise. Nothing is missing that these tests could show.",
-    ),
-    "missing_physics": Verdict(
-        "missing",
-        "The model leaves out physics",
-        "No choice of the model's own parameters explains the recordings; what is added below does, or does in part.",
-    ),
-    "sensor_fault": Verdict(
-        "sensor",
-        "An instrument is at fault, not the model",
-        "The recordings contradict the model only where an instrument is wrong; the structure behaves as modelled.",
-    ),
-    "unexplained": Verdict(
-        "unknown",
-        "Something real is missing, and no known physics explains it",
-        "Simulation and recordings differ by more than noise. Nothing on the list of known physics names the difference.",
-    ),
+    "consistent": Verdict("good", "The model agrees with the recordings"),
+    "missing_physics": Verdict("missing", "The model leaves out physics"),
+    "sensor_fault": Verdict("sensor", "An instrument is at fault, not the model"),
+    "unexplained": Verdict("unknown", "Something real is missing, and no known physics explains it"),
 }
 
 LIKELIHOODS = ((0.99, "practically certain"), (0.9, "very likely"), (0.66, "likely"), (0.33, "about as likely as not"))
@@ -46,7 +29,7 @@ GRADES = ((0.94, "excellent"), (0.8, "good"), (0.58, "fair"))
 
 def verdict_of(name: str) -> Verdict:
     """The words for a verdict; one that is not known speaks for itself."""
-    return VERDICTS.get(name, Verdict("unknown", label(name), ""))
+    return VERDICTS.get(name, Verdict("unknown", label(name)))
 
 
 def label(name: str) -> str:
