@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 from plotly.offline import get_plotlyjs
 
+from crashkit.misfit.bands import CONFIDENCE
 from crashkit.report.files import write_text
 from crashkit.report.page import rows, template
 from crashkit.report.words import unit
@@ -15,8 +16,6 @@ if TYPE_CHECKING:
     from plotly.graph_objects import Figure
 
 FILM, ACCELEROMETER = "#0072b2", "#d55e00"
-BAND = 1.96
-"""Standard deviations that hold 95 %."""
 
 
 def write_cross_check(check: xr.Dataset, run: str, directory: Path) -> Path:
@@ -31,7 +30,7 @@ def write_cross_check(check: xr.Dataset, run: str, directory: Path) -> Path:
         run=run,
         agree=bool(check["consistent"].all()),
         bodies=rows(check, "body"),
-        figure=figure.to_html(full_html=False, include_plotlyjs=False),
+        figure=figure.to_html(full_html=False, include_plotlyjs=False, config={"displayModeBar": False}),
     )
     write_text(directory / "plotly.min.js", get_plotlyjs())
     return write_text(directory / "index.html", page)
@@ -67,11 +66,11 @@ def _verdicts(check: xr.Dataset) -> str:
 def _draw(figure: "Figure", column: xr.Dataset, row: int, label: str) -> None:
     times = column["time"].values
     first = row == 1
-    followed, spread = column["accelerometer"].values, BAND * column["accelerometer_std"].values
+    followed, spread = column["accelerometer"].values, CONFIDENCE * column["accelerometer_std"].values
     _band(figure, times, followed, spread, ACCELEROMETER, (row, 1))
     _line(figure, times, followed, "accelerometer", ACCELEROMETER, (row, 1), first)
     _line(figure, times, column["film"].values, "film", FILM, (row, 1), first, mode="markers")
-    _band(figure, times, np.zeros(len(times)), BAND * column["difference_std"].values, "#999999", (row, 2))
+    _band(figure, times, np.zeros(len(times)), CONFIDENCE * column["difference_std"].values, "#999999", (row, 2))
     _line(figure, times, column["difference"].values, "difference", FILM, (row, 2), False, mode="markers")
     units = unit(column["film"].attrs.get("units", ""))
     figure.update_yaxes(title_text=f"displacement ({units})", row=row, col=1)
