@@ -53,17 +53,15 @@ def _curve(
     half = CONFIDENCE * np.sqrt(np.maximum(np.einsum("tci,ij,tcj->tc", slopes, covariance, slopes), 0.0))
     lower = np.fmin.reduce([prediction.samples - half, *elsewhere])
     upper = np.fmax.reduce([prediction.samples + half, *elsewhere])
-    curves = {"recorded": group.recorded, "predicted": prediction.samples, "lower": lower, "upper": upper}
-    variables: dict[str, object] = {name: (("time", "channel"), values) for name, values in curves.items()}
-    variables["noise"] = ("channel", np.array([channel.noise.std for channel in group.channels]))
-    labels = {name: ("channel", [getattr(channel, name) for channel in group.channels]) for name in ("sensor", "axis")}
-    channels = [f"{channel.sensor}/{channel.axis}" for channel in group.channels]
-    units = str(group.dataset[group.observer.quantity].attrs.get("units", ""))
-    return xr.Dataset(
-        variables,
-        coords={"time": group.times, "channel": channels, **labels},
-        attrs={"quantity": group.observer.quantity, "units": units, "fitted": int(is_fitted)},
-    )
+    curves = group.curves(predicted=prediction.samples, lower=lower, upper=upper)
+    channels = group.channels
+    labels = {
+        "channel": [f"{channel.sensor}/{channel.axis}" for channel in channels],
+        "sensor": ("channel", [channel.sensor for channel in channels]),
+        "axis": ("channel", [channel.axis for channel in channels]),
+    }
+    noise = "channel", [channel.noise.std for channel in channels]
+    return curves.assign(noise=noise).assign_coords(labels).assign_attrs(fitted=int(is_fitted))
 
 
 def _loose_ends(fitted: Misfit, shown: Misfit, result: Identification) -> Iterator[list[Prediction]]:

@@ -62,6 +62,15 @@ class Group:
         channels = (evolve(one, samples=0) if gone else one for one, gone in zip(self.channels, hidden, strict=True))
         return evolve(self, recorded=np.where(hidden, np.nan, self.recorded), channels=tuple(channels))
 
+    def curves(self, **more: np.ndarray) -> xr.Dataset:
+        """What was recorded beside `more` (time, channel) of the same, by channel and in the instrument's unit."""
+        curves = {"recorded": self.recorded, **more}
+        return xr.Dataset(
+            {name: (("time", "channel"), values) for name, values in curves.items()},
+            {"time": self.times, "channel": [channel.label for channel in self.channels]},
+            {"quantity": self.observer.quantity, "units": str(self.dataset[self.observer.quantity].attrs.get("units", ""))},
+        )
+
     def motion(self) -> xr.Dataset | None:
         """Of the bodies that it watches, from its readings alone; None where these do not tell all of it, as those of one
         accelerometer on a body that may turn."""

@@ -74,15 +74,8 @@ def curves_of(
 
 
 def _curve(group: Group, before: np.ndarray, after: np.ndarray, holdout: bool) -> xr.Dataset:
-    units = str(group.dataset[group.observer.quantity].attrs.get("units", ""))
-    curves = {"recorded": group.recorded, "before": before, "after": after}
-    variables: dict[str, object] = {name: (("time", "channel"), values) for name, values in curves.items()}
-    variables["std"] = ("channel", np.array([channel.noise.std for channel in group.channels]))
-    return xr.Dataset(
-        variables,
-        coords={"time": group.times, "channel": [channel.label for channel in group.channels]},
-        attrs={"holdout": int(holdout), "quantity": group.observer.quantity, "units": units},
-    )
+    stds = [channel.noise.std for channel in group.channels]
+    return group.curves(before=before, after=after).assign(std=("channel", stds)).assign_attrs(holdout=int(holdout))
 
 
 def _channels(group: Group, predicted: np.ndarray) -> list[tuple[float, float, float, float]]:
