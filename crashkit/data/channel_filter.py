@@ -3,13 +3,20 @@
 import math
 
 import numpy as np
+import xarray as xr
 from numba import njit
 
 from crashkit.errors import CrashkitError
 
 DESIGN_FREQUENCY = 2.0775  # times the class: one pass is -3 dB here, both passes are -3 dB at 1.667 times the class
+CORNER = 5.0 / 3.0  # times the class: up to where both passes let pass, Hz
 TIME_CONSTANTS = 20.0  # after which a transient is forgotten to 2e-9
 UNIFORMITY = 0.01  # of the sampling interval
+
+
+def frequency_class(instrument: xr.Dataset | xr.DataArray) -> int:
+    """The class that the channels of an instrument were filtered to, Hz; 0 for unfiltered."""
+    return int(instrument.attrs.get("channel_frequency_class", 0))
 
 
 def filter_channel(

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from attrs import evolve, frozen
 
+from crashkit.data.channel_filter import frequency_class
 from crashkit.errors import CrashkitError
 from crashkit.misfit.noise import HALF, Noise, channel_noise, filtered_std
 from crashkit.model import Model
@@ -109,7 +110,7 @@ def reweighted(group: Group, column: int, left: np.ndarray) -> Channel:
     channel, noise, present = group.channels[column], group.channels[column].noise, left[np.isfinite(left)]
     if noise.trusted or not len(present):
         return channel
-    interval, filter_class = float(np.median(np.diff(group.times))), int(group.dataset.attrs["channel_frequency_class"])
+    interval, filter_class = float(np.median(np.diff(group.times))), frequency_class(group.dataset)
     level = float(np.sqrt(np.mean(present**2)))
     seen = min(HALF * filtered_std(present, interval, filter_class, noise.correlation), TENTH * level)
     resolved = RESOLUTION * float(np.nanmax(np.abs(group.recorded[:, column])))

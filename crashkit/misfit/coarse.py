@@ -3,6 +3,7 @@
 import numpy as np
 from attrs import evolve
 
+from crashkit.data.channel_filter import CORNER, frequency_class
 from crashkit.misfit.channel import Channel, Group
 from crashkit.misfit.thin import in_step
 
@@ -13,10 +14,8 @@ FEWEST = 3
 COARSER = 4.0
 """By how much steps of the integration are longer; a few instants do not deserve more."""
 
-CORNER = 5.0 / 3.0
-"""Hz, in channel frequency classes: up to where a filter lets pass."""
 PERIODS = 1.5
-"""Of that frequency, after which less than a hundredth of a step is still to come."""
+"""Of a filter's corner, after which less than a hundredth of a step is still to come."""
 
 
 def coarse_group(group: Group) -> Group:
@@ -50,18 +49,14 @@ def early_group(group: Group, end: float) -> Group | None:
 
 def _ahead(group: Group) -> float:
     """How far ahead a filtered channel sees, s."""
-    frequency_class = _frequency_class(group)
-    return PERIODS / (CORNER * frequency_class) if frequency_class > 0 else 0.0
-
-
-def _frequency_class(group: Group) -> int:
-    return int(group.dataset.attrs.get("channel_frequency_class", 0))
+    cfc = frequency_class(group.dataset)
+    return PERIODS / (CORNER * cfc) if cfc else 0.0
 
 
 def _factor(group: Group) -> int:
     """A power of two: what is read at the same instants at first then still is."""
     many = len(group.times) // INSTANTS
-    return 1 if _frequency_class(group) > 0 or many < 2 else 1 << (many.bit_length() - 1)
+    return 1 if frequency_class(group.dataset) or many < 2 else 1 << (many.bit_length() - 1)
 
 
 def _thinned(channel: Channel, samples: np.ndarray, factor: int) -> Channel:

@@ -5,8 +5,9 @@ import xarray as xr
 from attrs import frozen
 from scipy.interpolate import CubicSpline
 
+from crashkit.data.channel_filter import frequency_class
 from crashkit.misfit.noise import channel_noise
-from crashkit.misfit.thin import FILTER_MARGIN, SEARCH_INTERVAL
+from crashkit.misfit.thin import search_interval
 from crashkit.protocols import Observer
 
 MODES = 12
@@ -52,8 +53,7 @@ class Watcher:
     def thinned(self) -> "Watcher":
         """Fewer samples, evenly, the first and the last among them; no fewer than its filter class asks for."""
         times = self.group["time"].values
-        filter_class = int(self.group.attrs.get("channel_frequency_class", 0))
-        wanted = min(SEARCH_INTERVAL, 1.0 / (FILTER_MARGIN * filter_class)) if filter_class else SEARCH_INTERVAL
+        wanted = search_interval(frequency_class(self.group))
         most = max(1, int(wanted / float(np.median(np.diff(times))) + 1e-6))
         step = max(step for step in range(1, most + 1) if (len(times) - 1) % step == 0)
         return Watcher(self.observer, self.group.isel(time=slice(None, None, step)))

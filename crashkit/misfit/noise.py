@@ -6,7 +6,7 @@ from attrs import frozen
 from numpy.lib.stride_tricks import sliding_window_view
 from scipy.signal import periodogram
 
-from crashkit.data.channel_filter import correlation_samples
+from crashkit.data.channel_filter import CORNER, correlation_samples, frequency_class
 
 HALF = 0.5
 """Of an estimate, which may be too large by as much."""
@@ -48,7 +48,7 @@ def channel_noise(instrument: xr.Dataset, quantity: str, channel: int, samples: 
         times: (time,) s.
     """
     interval = float(np.median(np.diff(times))) if len(times) > 1 else 1.0
-    filter_class = int(instrument.attrs.get("channel_frequency_class", 0))
+    filter_class = frequency_class(instrument)
     correlation = correlation_samples(filter_class, interval)
     declared = instrument.variables.get(f"{quantity}_std")
     std = float(np.ravel(declared.values)[channel]) if declared is not None else np.nan
@@ -80,7 +80,7 @@ def filtered_std(samples: np.ndarray, interval: float, filter_class: int, correl
     Arguments:
         samples: (time,) one each `interval`, s; filter_class: of their filter; correlation: samples for an independent one.
     """
-    corner = filter_class / 0.6
+    corner = CORNER * filter_class
     frequency, density = periodogram(samples, 1.0 / interval, window="hann")
     band = density[(frequency > 0.7 * corner) & (frequency < 1.2 * corner)]
     if len(band) < 4:

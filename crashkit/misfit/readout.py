@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from attrs import frozen
 
-from crashkit.data.channel_filter import filter_channel
+from crashkit.data.channel_filter import filter_channel, frequency_class
 from crashkit.mechanics.kernel.arrays import Floats, Integers, Record
 from crashkit.mechanics.repeated_run import RepeatedRun
 from crashkit.misfit.channel import Group
@@ -98,7 +98,7 @@ def readout_of(group: Group, run: RepeatedRun, turning: bool, tolerance: float) 
         early=group.times[group.times < 0.0],
         is_still=reading.quantity not in ("position", "velocity"),
         times=group.times,
-        frequency_class=int(group.dataset.attrs.get("channel_frequency_class", 0)),
+        frequency_class=frequency_class(group.dataset),
         offset=reading.offset,
         observer=group.observer,
         instrument=group.dataset,

@@ -6,7 +6,7 @@ from types import MappingProxyType
 import numpy as np
 import xarray as xr
 
-from crashkit.data.channel_filter import filter_channel
+from crashkit.data.channel_filter import filter_channel, frequency_class
 
 SEARCH_INTERVAL = 5e-4
 """s between samples of a search; a crash has little above 500 Hz."""
@@ -47,10 +47,9 @@ def _thin(instrument: xr.Dataset, quantity: str, halvings: int) -> xr.Dataset:
     times = instrument["time"].values
     steps = np.diff(times)
     interval = float(np.median(steps)) if len(steps) else SEARCH_INTERVAL
-    filter_class = int(instrument.attrs.get("channel_frequency_class", 0))
+    filter_class = frequency_class(instrument)
     is_closed = 0 < filter_class < OPEN_CLASS
-    wanted = min(SEARCH_INTERVAL, 1.0 / (FILTER_MARGIN * filter_class)) if is_closed else SEARCH_INTERVAL
-    factor = int(0.5**halvings * wanted / interval + 1e-6)
+    factor = int(0.5**halvings * search_interval(filter_class if is_closed else 0) / interval + 1e-6)
     if not is_closed and factor == 2:
         factor = 3  # a block of two with a middle shares too much with the next
     if factor < 2 or len(times) < FEWEST * factor or np.ptp(steps) > 0.01 * interval:
@@ -58,6 +57,11 @@ def _thin(instrument: xr.Dataset, quantity: str, halvings: int) -> xr.Dataset:
     if is_closed:
         return instrument.isel(time=in_step(times, factor))
     return _averaged(instrument, quantity, factor, filter_class)
+
+
+def search_interval(filter_class: int) -> float:
+    """s between the samples that a search needs of a channel of that class, 0 for unfiltered."""
+    return min(SEARCH_INTERVAL, 1.0 / (FILTER_MARGIN * filter_class)) if filter_class else SEARCH_INTERVAL
 
 
 def in_step(times: np.ndarray, factor: int, margin: int = 0) -> np.ndarray:

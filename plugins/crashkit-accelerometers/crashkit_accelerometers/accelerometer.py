@@ -6,7 +6,8 @@ import numpy as np
 import xarray as xr
 
 from crashkit.data.instrument_errors import CLOCK_ERRORS, ROCKING
-from crashkit.data.schema import Attribute, GroupSchema, Variable
+from crashkit.data.schema import GroupSchema, Variable
+from crashkit.data.schemas import CHANNEL_FREQUENCY_CLASS, FRAME
 from crashkit.errors import CrashkitError
 from crashkit.protocols import Misread, PlainObserver, Reading, SensorErrors, Shown
 from crashkit_accelerometers.chain import Own
@@ -14,7 +15,6 @@ from crashkit_accelerometers.error_specs import AXES, LEAN, POSITION_ERRORS, cha
 from crashkit_accelerometers.point_acceleration import felt_by_points
 from crashkit_accelerometers.rigid_body import rigid_body_motion
 from crashkit_accelerometers.sensor_channel import (
-    CHANNEL_FREQUENCY_CLASS,
     DIMS,
     bodies_of,
     felt_in_laboratory,
@@ -46,7 +46,7 @@ class Accelerometer(PlainObserver):
         ),
         (
             CHANNEL_FREQUENCY_CLASS,
-            Attribute("frame", "whether the sensors' axes turn with the body", ("body", "laboratory")),
+            FRAME,
         ),
     )
     quantity = "acceleration"

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from crashkit.data.channel_filter import correlation_samples
+from crashkit.data.channel_filter import correlation_samples, frequency_class
 from crashkit.errors import CrashkitError
 from crashkit.protocols import Observer, ParameterSpec, SensorErrors
 
@@ -108,5 +108,5 @@ def _weight(observer: Observer, instrument: xr.Dataset) -> np.ndarray:
     if stated not in instrument:
         raise CrashkitError(f"{observer.name}: expected {stated}, without which nothing can be weighed, found none")
     interval = float(np.median(np.diff(instrument["time"].values)))
-    cfc = int(instrument.attrs.get("channel_frequency_class", 0))
+    cfc = frequency_class(instrument)
     return np.asarray(1.0 / instrument[stated].values[:, None] / np.sqrt(correlation_samples(cfc, interval)))

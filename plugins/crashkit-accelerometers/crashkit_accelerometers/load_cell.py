@@ -7,11 +7,11 @@ import xarray as xr
 
 from crashkit.data.instrument_errors import CLOCK_ERRORS
 from crashkit.data.schema import GroupSchema, Variable
+from crashkit.data.schemas import CHANNEL_FREQUENCY_CLASS
 from crashkit.errors import CrashkitError
 from crashkit.protocols import Misread, PlainObserver, Reading, SensorErrors, Shown
 from crashkit_accelerometers.error_specs import channel_errors
 from crashkit_accelerometers.sensor_channel import (
-    CHANNEL_FREQUENCY_CLASS,
     DIMS,
     bodies_of,
     felt_in_laboratory,

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from crashkit.data.channel_filter import filter_channel
+from crashkit.data.channel_filter import filter_channel, frequency_class
 from crashkit.protocols import Observer, SensorErrors
 
 SETTLED = 400
@@ -37,7 +37,7 @@ def recorded(
     values = predicted.values.copy()
     stated = f"{observer.quantity}_std"
     std = instrument[stated].values if stated in instrument else np.zeros(values.shape[1])
-    cfc = int(instrument.attrs.get("channel_frequency_class", 0))
+    cfc = frequency_class(instrument)
     values += std[:, None] * _noise(values.shape, instrument["time"].values, cfc, seed)
     result = instrument.copy()
     if resolution:

@@ -6,7 +6,7 @@ from attrs import evolve, frozen
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
-from crashkit.data.channel_filter import correlation_samples
+from crashkit.data.channel_filter import correlation_samples, frequency_class
 from crashkit.errors import CrashkitError
 from crashkit_accelerometers.angular_motion import AngularMotion
 from crashkit_accelerometers.error_specs import AXES
@@ -89,7 +89,7 @@ def _body_motion(array: SensorArray, instrument: xr.Dataset, initial: xr.Dataset
     if instrument.attrs.get("frame") != "body":
         start = evolve(start, orientation=UPRIGHT)
     readings, missing = _readings(array, instrument, times)
-    cfc = int(instrument.attrs.get("channel_frequency_class", 0))
+    cfc = frequency_class(instrument)
     correlation = correlation_samples(cfc, float(np.median(np.diff(times))))
     angular = AngularMotion(array, times, readings, correlation, start.omega)
     orientation = orientations(times, angular.omega, angular.alpha, start.orientation)

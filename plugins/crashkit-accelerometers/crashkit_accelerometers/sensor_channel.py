@@ -8,8 +8,8 @@ import xarray as xr
 from attrs import frozen
 from xarray.core.indexing import LazilyIndexedArray
 
+from crashkit.data.channel_filter import frequency_class
 from crashkit.data.instrument_errors import error_values, positions, prediction_coordinates, true_times
-from crashkit.data.schema import Attribute
 from crashkit.errors import CrashkitError
 from crashkit.protocols import Misread, Observer, Reading, SensorErrors, Shown
 from crashkit_accelerometers.chain import Chain, Own
@@ -19,9 +19,6 @@ from crashkit_accelerometers.sampling import Felt
 from crashkit_accelerometers.sensing import directions
 
 DIMS = ("time", "sensor", "axis")
-CHANNEL_FREQUENCY_CLASS = Attribute(
-    "channel_frequency_class", "SAE J211 class that the channels are filtered to, 0 for unfiltered", (0, 60, 180, 600, 1000)
-)
 
 
 def own_errors(observer: Observer, instrument: xr.Dataset, errors: SensorErrors | None) -> Own:
@@ -69,7 +66,7 @@ def predict_channels(observer: Observer, motion: xr.Dataset, instrument: xr.Data
     """
     axes = instrument.variables["axis"].values.tolist()
     positions(observer, motion, "axis", axes)
-    cfc = int(instrument.attrs.get("channel_frequency_class", 0))
+    cfc = frequency_class(instrument)
     channels = Channels(felt, own, tuple(axes), instrument.variables["time"].values, cfc)
     value, model = channels.values()
     quantity, names = observer.quantity, tuple(spec.name for spec in observer.errors)
@@ -93,7 +90,7 @@ def misread_channels(
     slope = None if shown.slope is None else shown.slope.reshape(*value.shape, -1)
     axes = tuple(instrument.variables["axis"].values.tolist())
     felt = Felt(shown.times, value, slope, None, np.arange(value.shape[1]), axes)
-    cfc = int(instrument.attrs.get("channel_frequency_class", 0))
+    cfc = frequency_class(instrument)
     channels = Channels(felt, own, axes, instrument.variables["time"].values, cfc)
     return Misread(*channels.values(), channels.by_errors(tuple(wanted)))
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 import xarray as xr
 
+from crashkit.data.channel_filter import frequency_class
 from crashkit.misfit import Group, Misfit
 from crashkit.misfit.predictor import initial_state
 from crashkit.protocols import PlainObserver, Problem, Reading
@@ -50,7 +51,7 @@ def has_adjoint(misfit: Misfit) -> bool:
 
 
 def _is_plain(misfit: Misfit, group: Group) -> bool:
-    is_raw = not group.dataset.attrs.get("channel_frequency_class", 0) and group.times[0] >= 0.0
+    is_raw = not frequency_class(group.dataset) and group.times[0] >= 0.0
     return is_raw and _reading(misfit, group) is not None
 
 

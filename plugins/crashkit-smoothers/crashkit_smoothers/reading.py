@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from attrs import frozen
 
-from crashkit.data.channel_filter import correlation_samples
+from crashkit.data.channel_filter import correlation_samples, frequency_class
 from crashkit.errors import CrashkitError
 
 ROUNDING = 1e-15
@@ -64,11 +64,11 @@ def read_channel(name: str, samples: xr.DataArray, std: float | xr.DataArray | N
     present = np.isfinite(values)
     if not (spread[present] > 0.0).all():
         raise CrashkitError(f"{name}: expected standard deviations above 0, found {np.min(spread[present])}")
-    filter_class = float(samples.attrs.get("channel_frequency_class", 0))
+    filter_class = frequency_class(samples)
     correlation = correlation_samples(filter_class, float(np.median(np.diff(times)))) if filter_class else 1.0
     count = present.sum() / correlation
     if count < fewest:
-        of_filter = f" independent ones (CFC{filter_class:g})" if filter_class else ""
+        of_filter = f" independent ones (CFC{filter_class})" if filter_class else ""
         raise CrashkitError(f"{name}: expected at least {fewest} samples, found {count:.3g}{of_filter}")
     duration = float(times[-1] - times[0])
     return Reading(

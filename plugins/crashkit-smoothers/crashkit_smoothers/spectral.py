@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 from attrs import frozen
 
+from crashkit.data.channel_filter import frequency_class
 from crashkit.errors import CrashkitError
 from crashkit.protocols import Smoother
 from crashkit_smoothers.curve import curve
@@ -49,7 +50,7 @@ class Spectral(Smoother):
         """
         reading = read_channel(self.name, samples, std, FEWEST)
         _require_equal_samples(reading)
-        fit, level = _believed(reading, float(samples.attrs.get("channel_frequency_class", 0)))
+        fit, level = _believed(reading, frequency_class(samples))
         values, spreads = fit.evaluated()
         spreads *= level
         return curve(reading, values, spreads, _attrs(reading, fit, level))
