@@ -9,8 +9,9 @@ from crashkit.errors import CrashkitError, SimulationError
 from crashkit.mechanics.engine import Engine
 from crashkit.mechanics.kernel.arrays import NONE, TO_D_MAX, TO_MEMORY, TO_PARAMETERS, Floats, Integers
 from crashkit.mechanics.laws.source import LawFunction
-from crashkit.mechanics.layout import Laws, functions_of_joint, memory_rate
+from crashkit.mechanics.layout import functions_of_joint, memory_rate
 from crashkit.model import Joint
+from crashkit.protocols import Laws
 
 Numbers = list[Floats]
 """The parameters of a law and of each of its factors."""

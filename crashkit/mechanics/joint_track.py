@@ -10,9 +10,8 @@ from scipy.spatial.transform import Rotation
 from crashkit.mechanics.given import side_of
 from crashkit.mechanics.joint_law import JointLaw
 from crashkit.mechanics.kernel.arrays import TO_D, TO_D_MAX, TO_MEMORY, Integers
+from crashkit.mechanics.motion import XYZ
 from crashkit.model import Joint, Model
-
-XYZ = ("x", "y", "z")
 
 
 @frozen(eq=False)

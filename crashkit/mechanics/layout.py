@@ -13,9 +13,8 @@ from crashkit.mechanics.kernel.arrays import Floats, Integers
 from crashkit.mechanics.laws.source import LawFunction
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.model.choice import choice_fault
-from crashkit.protocols import ParameterSpec, SpringLaw
+from crashkit.protocols import Laws, ParameterSpec, SpringLaw
 
-Laws = Mapping[str, type[SpringLaw]]
 Place = tuple[str, tuple[Any, ...]]
 """The name of an array of the layout, and the index of a parameter in it."""
 

@@ -13,10 +13,11 @@ from crashkit.mechanics.checks import Allowed, check_step, checked_times
 from crashkit.mechanics.engine import Engine, compile_engine
 from crashkit.mechanics.kernel.arrays import START, Floats, Record, Work
 from crashkit.mechanics.kernel.run import DONE, FULL, MEETING, NOT_FINITE
-from crashkit.mechanics.layout import Laws, Layout, functions_of, installed_laws, lay_out
+from crashkit.mechanics.layout import Layout, functions_of, installed_laws, lay_out
 from crashkit.mechanics.motion import XYZ, motion_of
 from crashkit.mechanics.run import prepare, record_of, work_of
 from crashkit.model import Model
+from crashkit.protocols import Laws
 
 NO_HISTORY = np.empty((0, 0))
 """Of the steps, which only the adjoint needs."""

@@ -8,10 +8,12 @@ import xarray as xr
 
 from crashkit.mechanics.engine import Engine, compile_engine
 from crashkit.mechanics.joint_law import JointLaw
-from crashkit.mechanics.joint_track import XYZ, Track, in_space, rotations, track_of
+from crashkit.mechanics.joint_track import Track, in_space, rotations, track_of
 from crashkit.mechanics.kernel.arrays import Integers
-from crashkit.mechanics.layout import Laws, functions_of
+from crashkit.mechanics.layout import functions_of
+from crashkit.mechanics.motion import XYZ
 from crashkit.model import Body, Model
+from crashkit.protocols import Laws
 
 NUDGE = 1.25
 """What a parameter is multiplied by to see whether the equations are linear in it."""

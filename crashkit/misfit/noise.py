@@ -68,8 +68,13 @@ def _white_std(samples: np.ndarray) -> float:
     differences = differences[moving] if np.count_nonzero(moving) >= FEWEST else differences
     if len(differences) < FEWEST:
         return _positive(0.0, samples)
-    # 70 = sum of squares of the binomial coefficients 1 4 6 4 1; 0.6745 makes the median that of a normal distribution.
-    return _positive(np.median(np.abs(differences)) / 0.6745 / np.sqrt(70.0), samples)
+    # 70 = sum of squares of the binomial coefficients 1 4 6 4 1.
+    return _positive(robust_std(differences) / np.sqrt(70.0), samples)
+
+
+def robust_std(values: np.ndarray) -> float:
+    """Standard deviation of normal noise about 0, from the median of its size: outliers hardly change it."""
+    return float(np.median(np.abs(values)) / 0.6745)
 
 
 def filtered_std(samples: np.ndarray, interval: float, filter_class: int, correlation: float) -> float:

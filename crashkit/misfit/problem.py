@@ -17,7 +17,7 @@ from crashkit.misfit.noise import Noise
 from crashkit.misfit.predictor import STEP, Prediction, Predictor
 from crashkit.misfit.rows import Rows, rows_of
 from crashkit.model import Model, Parameter
-from crashkit.protocols import Observer, SpringLaw
+from crashkit.protocols import Laws, Observer
 
 
 @frozen
@@ -54,7 +54,7 @@ class Misfit:
         self,
         model: Model,
         recordings: Mapping[str, xr.DataTree],
-        laws: Mapping[str, type[SpringLaw]],
+        laws: Laws,
         observers: Mapping[str, type[Observer]],
         engine: Engine | None = None,
         step: float = STEP,
@@ -234,7 +234,7 @@ class Misfit:
         """The same misfit as if a sensor had recorded nothing."""
         return self._with(self.model, [one.without(sensor) if one.name == instrument else one for one in self.groups])
 
-    def with_model(self, model: Model, laws: Mapping[str, type[SpringLaw]], engine: Engine | None = None) -> "Misfit":
+    def with_model(self, model: Model, laws: Laws, engine: Engine | None = None) -> "Misfit":
         """The misfit of another model to the same recordings, with the same weights."""
         return self._with(model, list(self.groups), Simulator(model, laws, engine))
 

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterable
 
-from crashkit.mechanics.layout import Laws
 from crashkit.misfit.channel import Group
 from crashkit.model import Model
+from crashkit.protocols import Laws
 
 
 def units_of(model: Model, laws: Laws, groups: Iterable[Group]) -> dict[str, str]:

@@ -11,16 +11,14 @@ from crashkit.model.joint_checks import joint_faults, specs_of
 from crashkit.model.model import Model
 from crashkit.model.number_checks import parameter_faults, vector_faults
 from crashkit.model.recording_checks import check_recording_against_model
-from crashkit.protocols import Observer, SpringLaw
+from crashkit.protocols import Laws, Observer
 
 __all__ = ["check_model", "check_recording_against_model", "instrument_place", "model_faults", "place", "specs_of"]
 
 AXES = ("x", "y", "z")
 
 
-def check_model(
-    model: Model, laws: Mapping[str, type[SpringLaw]], source: str, observers: Mapping[str, type[Observer]] | None = None
-) -> None:
+def check_model(model: Model, laws: Laws, source: str, observers: Mapping[str, type[Observer]] | None = None) -> None:
     """Refuse a model that cannot be simulated: raises ContractError with every fault.
 
     Arguments:
@@ -34,9 +32,7 @@ def check_model(
         raise ContractError(source, faults)
 
 
-def model_faults(
-    model: Model, laws: Mapping[str, type[SpringLaw]], observers: Mapping[str, type[Observer]] | None = None
-) -> list[Fault]:
+def model_faults(model: Model, laws: Laws, observers: Mapping[str, type[Observer]] | None = None) -> list[Fault]:
     """Every fault of a model; see `check_model`."""
     return list(_model_faults(model, laws, observers))
 
@@ -51,9 +47,7 @@ def instrument_place(instrument: str, sensor: str) -> str:
     return f"instrument {shown(instrument)}" + (f" sensor {shown(sensor)}" if sensor else "")
 
 
-def _model_faults(
-    model: Model, laws: Mapping[str, type[SpringLaw]], observers: Mapping[str, type[Observer]] | None
-) -> Iterator[Fault]:
+def _model_faults(model: Model, laws: Laws, observers: Mapping[str, type[Observer]] | None) -> Iterator[Fault]:
     if not model.axes or model.axes != tuple(axis for axis in AXES if axis in model.axes):
         yield Fault("axes", f"one, two or three of {names(AXES)}, in this order", names(model.axes) or "none")
     if model.gravity:

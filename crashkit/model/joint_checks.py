@@ -16,9 +16,8 @@ from crashkit.model.model import Model
 from crashkit.model.number_checks import parameter_faults, vector_faults
 from crashkit.model.parameter import Parameter
 from crashkit.model.pose import ORIENTATION, is_unit, laboratory_point
-from crashkit.protocols import ParameterSpec, SpringLaw
+from crashkit.protocols import Laws, ParameterSpec
 
-Laws = Mapping[str, type[SpringLaw]]
 SIGN = re.compile(r" [+~*|&%/] ")
 """Between the names of laws that are combined."""
 APART = 1e-9

@@ -21,14 +21,12 @@ from crashkit.model.pose import normalised
 from crashkit.model.toml_tables import BODY, FORCE, INSTRUMENT, JOINT, MOTION, ROOT, section
 from crashkit.model.toml_text import SCHEMA, model_to_toml
 from crashkit.model.values import UNDECLARED, default_parameter, number, read_parameter
-from crashkit.protocols import Observer, ParameterSpec, SpringLaw
+from crashkit.protocols import Laws, Observer, ParameterSpec
 
 __all__ = ["SCHEMA", "model_to_toml", "read_model", "write_model"]
 
 
-def read_model(
-    path: str | Path, laws: Mapping[str, type[SpringLaw]], observers: Mapping[str, type[Observer]] | None = None
-) -> Model:
+def read_model(path: str | Path, laws: Laws, observers: Mapping[str, type[Observer]] | None = None) -> Model:
     """A model from a TOML file, checked.
 
     Arguments:
@@ -49,7 +47,7 @@ def read_model(
     return model
 
 
-def write_model(model: Model, path: str | Path, laws: Mapping[str, type[SpringLaw]]) -> None:
+def write_model(model: Model, path: str | Path, laws: Laws) -> None:
     """Write a model as TOML, whole or not at all; `read_model` gives back the same model.
 
     Raises:
@@ -74,7 +72,7 @@ def _load(path: Path) -> dict[str, Any]:
         raise CrashkitError(f"{path}: expected TOML, found a fault in it: {reason[:1].lower()}{reason[1:]}") from error
 
 
-def _model(table: dict[str, Any], laws: Mapping[str, type[SpringLaw]], faults: list[Fault]) -> Model:
+def _model(table: dict[str, Any], laws: Laws, faults: list[Fault]) -> Model:
     root = section(table, ROOT, ("schema", "name", "axes"), "", faults)
     axes = tuple(root.get("axes", ["x"]))
     return Model(
@@ -146,7 +144,7 @@ def _unit_quaternion(orientation: tuple[float, ...]) -> tuple[float, ...]:
     return normalised(orientation) if len(orientation) == 4 else orientation
 
 
-def _joint(table: dict[str, Any], laws: Mapping[str, type[SpringLaw]], index: int, faults: list[Fault]) -> Joint:
+def _joint(table: dict[str, Any], laws: Laws, index: int, faults: list[Fault]) -> Joint:
     where = _place("joint", index, table.get("name"))
     joint = section(table, JOINT, ("name", "bodies", "law"), where, faults)
     law, factors = joint.get("law", ""), tuple(joint.get("factors", ()))

@@ -13,12 +13,12 @@ from crashkit.model.joint_checks import specs_of
 from crashkit.model.model import Model
 from crashkit.model.parameter import Parameter
 from crashkit.model.values import UNDECLARED, default_parameter, write_parameter
-from crashkit.protocols import ParameterSpec, SpringLaw
+from crashkit.protocols import Laws, ParameterSpec
 
 SCHEMA = "crashkit-model/1"
 
 
-def model_to_toml(model: Model, laws: Mapping[str, type[SpringLaw]]) -> str:
+def model_to_toml(model: Model, laws: Laws) -> str:
     """A model as TOML: plain numbers where they say it all, tables where bounds or freedom differ from what the law declares.
 
     Arguments:
@@ -83,7 +83,7 @@ def _rows(rows: Sequence[Any]) -> str:
     return _inline(rows)
 
 
-def _joint(joint: Joint, laws: Mapping[str, type[SpringLaw]]) -> str:
+def _joint(joint: Joint, laws: Laws) -> str:
     head = {
         "name": joint.name,
         "bodies": joint.bodies,

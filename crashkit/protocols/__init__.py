@@ -6,13 +6,14 @@ from crashkit.protocols.importer import Importer
 from crashkit.protocols.observer import Misread, Observer, PlainObserver, Reading, SensorErrors, Shown
 from crashkit.protocols.parameter import ParameterSpec
 from crashkit.protocols.smoother import Smoother
-from crashkit.protocols.spring_law import SpringLaw
+from crashkit.protocols.spring_law import Laws, SpringLaw
 
 __all__ = [
     "Hypothesis",
     "Identification",
     "Identifier",
     "Importer",
+    "Laws",
     "Misread",
     "Observer",
     "ParameterSpec",

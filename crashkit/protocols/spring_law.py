@@ -1,7 +1,7 @@
 """SpringLaw: the force of a joint, or a factor that multiplies it, as one pure scalar function."""
 
 from abc import ABC
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import ClassVar
 
 from crashkit.protocols.parameter import ParameterSpec
@@ -67,3 +67,7 @@ class SpringLaw(ABC):
     branch_force: ClassVar[Callable[..., tuple[float, float]] | None] = None
     branch_slopes: ClassVar[Callable[..., None] | None] = None
     parts: ClassVar[tuple[type["SpringLaw"], ...]] = ()
+
+
+Laws = Mapping[str, type[SpringLaw]]
+"""Installed laws and factors by name."""

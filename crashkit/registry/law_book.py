@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Any
 
-from crashkit.protocols import ParameterSpec, SpringLaw
+from crashkit.protocols import Laws, ParameterSpec, SpringLaw
 
 HOOK = "added = 0.0"
 """The statement after which a law lets other curves be added to its loading curve, at the deformation that it calls `turn`."""
@@ -38,7 +38,7 @@ class LawBook(Mapping[str, type[SpringLaw]]):
     own, or runs as plain Python, stands alone.
     """
 
-    def __init__(self, laws: Mapping[str, type[SpringLaw]]) -> None:
+    def __init__(self, laws: Laws) -> None:
         self._laws = dict(laws)
 
     def __getitem__(self, name: str) -> type[SpringLaw]:

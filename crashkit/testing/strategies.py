@@ -15,7 +15,7 @@ from crashkit.data.schemas import DIMENSIONS, INITIAL, MOTION
 from crashkit.model import Body, GivenForce, GivenMotion, InstrumentErrors, Joint, Model, Parameter
 from crashkit.model.joint_checks import has_no_direction, specs_of
 from crashkit.model.pose import ROTATION, turned
-from crashkit.protocols import ParameterSpec, SpringLaw
+from crashkit.protocols import Laws, ParameterSpec
 
 _KNOWN = {dimension.name: dimension for dimension in DIMENSIONS}
 _LARGE = 1e6
@@ -84,7 +84,7 @@ def parameters(draw: st.DrawFn, spec: ParameterSpec) -> Parameter:
 
 
 @st.composite
-def models(draw: st.DrawFn, laws: Mapping[str, type[SpringLaw]], axes: tuple[str, ...] | None = None) -> Model:
+def models(draw: st.DrawFn, laws: Laws, axes: tuple[str, ...] | None = None) -> Model:
     """Models of one to four bodies, joined by these laws and factors, that pass the check of models.
 
     Arguments:
@@ -222,7 +222,7 @@ def _given_forces(draw: st.DrawFn, axes: int) -> GivenForce:
 
 
 @st.composite
-def _joints(draw: st.DrawFn, name: str, axes: int, bodies: Mapping[str, Body], laws: Mapping[str, type[SpringLaw]]) -> Joint:
+def _joints(draw: st.DrawFn, name: str, axes: int, bodies: Mapping[str, Body], laws: Laws) -> Joint:
     first, second = draw(st.permutations(list(bodies)))[:2]
     law = draw(st.sampled_from(sorted(name for name, law in laws.items() if law.unit == "N")))
     factors = [name for name in sorted(laws) if laws[name].unit == "1" and draw(st.booleans())]

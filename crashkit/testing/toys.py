@@ -14,7 +14,7 @@ from crashkit.mechanics import Simulator
 from crashkit.misfit import Misfit
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.model.edit import with_factor
-from crashkit.protocols import Observer, ParameterSpec, SpringLaw
+from crashkit.protocols import Laws, Observer, ParameterSpec, SpringLaw
 
 RHO, ETA = 2.4, 0.7
 
@@ -147,7 +147,7 @@ def start_from(model: Model, factor: float) -> Model:
 def problem(
     truth: Model,
     start: Model,
-    laws: Mapping[str, type[SpringLaw]],
+    laws: Laws,
     observers: Mapping[str, type[Observer]],
     speeds: tuple[float, ...] = (1.0,),
     exact: bool = False,

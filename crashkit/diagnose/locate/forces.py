@@ -1,14 +1,12 @@
 """The missing force: what the recordings say that the model's joints do not."""
 
-from collections.abc import Mapping
-
 import numpy as np
 import xarray as xr
 
 from crashkit.mechanics.along import forces_along
 from crashkit.misfit import Misfit
 from crashkit.model import Model
-from crashkit.protocols import Smoother, SpringLaw
+from crashkit.protocols import Laws, Smoother
 
 BIN = 1e-3
 """s; forces are averaged over this long, which is short against a crash and long against the noise."""
@@ -38,7 +36,7 @@ def recorded_motion(misfit: Misfit, run: str, simulated: xr.Dataset, smoother: S
     return simulated[["position", "velocity"]].assign(acceleration=acceleration, observed=observed)
 
 
-def missing_force(model: Model, laws: Mapping[str, type[SpringLaw]], motion: xr.Dataset) -> xr.Dataset:
+def missing_force(model: Model, laws: Laws, motion: xr.Dataset) -> xr.Dataset:
     """What each body's motion asks of forces beyond those of the model's joints: m a - Σ F(d, ddot).
 
     Returns:

@@ -8,6 +8,7 @@ import xarray as xr
 from attrs import frozen
 
 from crashkit.errors import CrashkitError
+from crashkit.mechanics.motion import XYZ
 from crashkit.misfit import Group, Misfit
 from crashkit.misfit.predictor import initial_state
 from crashkit_identifiers.measured_rotation import rotation_curves
@@ -26,7 +27,6 @@ UNITS = {
     "angular_velocity": "rad s-1",
     "angular_acceleration": "rad s-2",
 }
-XYZ = ("x", "y", "z")
 
 
 def measured_motion(misfit: Misfit, run: str) -> xr.Dataset:

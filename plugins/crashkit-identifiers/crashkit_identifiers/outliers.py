@@ -4,12 +4,11 @@ import numpy as np
 from attrs import frozen
 
 from crashkit.misfit import Misfit
+from crashkit.misfit.noise import robust_std
 from crashkit.protocols import Problem
 
 FAR = 5.0
 """Standard deviations beyond which a reading is an outlier: one of two million."""
-NORMAL = 1.4826
-"""Standard deviation of a normal distribution over its median absolute deviation."""
 MOST = 0.2
 """Share of the readings that may be outliers; more of them are a model that is wrong."""
 CHANCE = 3.0
@@ -41,7 +40,7 @@ def judged(problem: Problem, residual: np.ndarray) -> Verdict:
     kept = np.ones(len(residual), dtype=bool)
     for channel in np.unique(channels):
         own = channels == channel
-        kept[own] = away[own] <= FAR * max(1.0, NORMAL * float(np.median(away[own])))
+        kept[own] = away[own] <= FAR * max(1.0, robust_std(away[own]))
     freedom = max(float(np.sum(1.0 / correlation[kept])) - len(problem.names), 1.0)
     excess = float(residual[kept] @ residual[kept]) / freedom
     few = np.count_nonzero(~kept) <= MOST * len(kept)

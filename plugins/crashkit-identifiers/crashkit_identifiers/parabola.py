@@ -6,12 +6,11 @@ import numpy as np
 from attrs import evolve, frozen
 
 from crashkit.misfit import Misfit
+from crashkit.misfit.bands import CONFIDENCE
 from crashkit.protocols import Problem
 from crashkit_identifiers.cost import NOTHING, cost_at
 from crashkit_identifiers.normal_equations import normal_equations
 
-CONFIDENCE = 1.959963984540054
-"""Standard deviations to either side of a 95 % interval."""
 FAR = 25.0
 """χ² between a point and the least misfit, beyond which the curvature there says nothing about the bottom."""
 UNDETERMINED = 1e-10

@@ -4,9 +4,8 @@ import numpy as np
 
 from crashkit.errors import CrashkitError
 from crashkit.mechanics import Engine
-from crashkit.mechanics.layout import Laws
 from crashkit.misfit import Misfit
-from crashkit.protocols import Problem
+from crashkit.protocols import Laws, Problem
 
 
 def with_recordings(problem: Problem, method: str) -> Misfit:

@@ -4,9 +4,10 @@ import numpy as np
 import xarray as xr
 
 from crashkit.misfit import Misfit
+from crashkit.misfit.bands import CONFIDENCE
 from crashkit.misfit.units import units_of
 from crashkit.protocols import Identification, Problem, Status
-from crashkit_identifiers.parabola import CONFIDENCE, Parabola, parabola_at
+from crashkit_identifiers.parabola import Parabola, parabola_at
 from crashkit_identifiers.profile import intervals
 from crashkit_identifiers.recorded import laws_of
 

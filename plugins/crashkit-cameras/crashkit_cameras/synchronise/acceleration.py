@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 from attrs import frozen
 from scipy.interpolate import CubicHermiteSpline
+from scipy.stats import median_abs_deviation
 
 from crashkit.errors import CrashkitError
 from crashkit_cameras.synchronise.clocks import DRIFT, settled
@@ -110,7 +111,7 @@ def _integrated(acceleration: xr.DataArray) -> CubicHermiteSpline:
 
 def _noise(reading: np.ndarray) -> float:
     """Standard deviation of noise on a smooth motion, from its third differences."""
-    return float(1.4826 * np.median(np.abs(np.diff(reading, 3))) / np.sqrt(20.0))
+    return float(median_abs_deviation(np.diff(reading, 3), scale="normal") / np.sqrt(20.0))
 
 
 def _fit(tracks: list[_Track], clock: np.ndarray, epoch: float, gain_std: float) -> _Fit | None:

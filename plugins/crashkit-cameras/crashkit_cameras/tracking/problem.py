@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from attrs import frozen
 from scipy.ndimage import binary_dilation
+from scipy.stats import median_abs_deviation
 
 from crashkit_cameras.tracking.pattern import Pattern
 
@@ -109,7 +110,7 @@ class Problem:
     def near(self, state: State) -> np.ndarray:
         """Which pixels, with their neighbours, are as near to the fit as noise is, or within a part of the contrast."""
         distance = np.abs(state.residual)
-        noise = 1.4826 * np.median(distance)
+        noise = median_abs_deviation(state.residual, scale="normal")
         far = distance > max(OUTLIER_DEVIATIONS * noise, OUTLIER_CONTRAST * abs(state.contrast))
         if not far.any():
             return ~far
