@@ -25,7 +25,8 @@ class IdentifierContract:
     """Tests of a method of identification; subclass it and give the fixture `identifier`.
 
     Attributes:
-        recovers: the toys that the method finds from `start`: "one_degree", "two_degrees"; of any other it must be honest.
+        recovers: the toys that the method finds from `start`: "one_degree", "two_degrees"; of any other it must lower the cost
+            and be honest.
         accuracy: relative error of an identified value that is allowed; there is no noise but rounding.
         start: share of the true values that the search starts from.
         most_steps: after which a search counts as lost.
@@ -52,11 +53,11 @@ class IdentifierContract:
         return self._problem(toys.two_degrees(rear_mass=toys.REAR_MASS_INVERTED), (1.0, 1.5))
 
     def test_recovers_one_degree_of_freedom(self, identifier: Identifier[Any], problem: Misfit) -> None:
-        self._assert_found("one_degree", self._run(identifier, problem), toys.one_degree())
+        self._assert_found("one_degree", identifier, problem, toys.one_degree())
 
     def test_recovers_two_degrees_of_freedom(self, identifier: Identifier[Any], two_springs: Misfit) -> None:
         truth = toys.two_degrees(rear_mass=toys.REAR_MASS_INVERTED)
-        self._assert_found("two_degrees", self._run(identifier, two_springs), truth)
+        self._assert_found("two_degrees", identifier, two_springs, truth)
 
     def test_with_noise_it_claims_no_more_than_it_knows(self, identifier: Identifier[Any], problem: Misfit) -> None:
         random, registry = np.random.default_rng(0), load()
@@ -116,8 +117,11 @@ class IdentifierContract:
             state = identifier.step(problem, state)
         pytest.fail(f"the search still runs after {self.most_steps} steps: expected a status that ends it")
 
-    def _assert_found(self, toy: str, found: Identification, truth: Model) -> None:
+    def _assert_found(self, toy: str, identifier: Identifier[Any], problem: Misfit, truth: Model) -> None:
+        found = self._run(identifier, problem)
         if toy not in self.recovers:
+            before, after = (_cost(problem, point) for point in (problem.start(), problem.start_at(found.values)))
+            assert after < before, f"expected a cost below that of the start, {before:g}, found {after:g}"
             self._assert_honest(found, truth)
             return
         assert found.status is Status.CONVERGED, f"expected CONVERGED, found {found.status.name}: {found.status.value}"
@@ -137,6 +141,11 @@ class IdentifierContract:
                 f"{path}: expected {parameter.value:g} within {SURE:g} of its standard deviation {float(row['std']):.2g}, "
                 f"found {float(row['value']):g}"
             )
+
+
+def _cost(problem: Misfit, point: np.ndarray) -> float:
+    residual = problem.residual(point)
+    return 0.5 * float(residual @ residual)
 
 
 class _Bounded(Misfit):
