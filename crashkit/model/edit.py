@@ -1,6 +1,7 @@
 """Small changes to a model, each returning a new one: what hypotheses are made of."""
 
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 from attrs import evolve
 
@@ -22,14 +23,20 @@ def without_joint(model: Model, joint: str) -> Model:
     return evolve(model, joints=tuple(other for other in model.joints if other != removed))
 
 
+def with_changed_joint(model: Model, joint: str, **changes: Any) -> Model:
+    """The model with other values for some fields of one joint."""
+    return evolve(model, joints=tuple(evolve(one, **changes) if one.name == joint else one for one in model.joints))
+
+
 def with_body(model: Model, body: Body) -> Model:
     """The model with one more body."""
     return evolve(model, bodies=(*model.bodies, body))
 
 
 def with_factor(model: Model, joint: str, factor: str, parameters: Mapping[str, Parameter | tuple[Parameter, ...]]) -> Model:
-    """The model with a factor that multiplies the law of one joint."""
-    return evolve(model, joints=tuple(_multiplied(j, factor, parameters) if j.name == joint else j for j in model.joints))
+    """The model with a factor that multiplies the law of one joint; raises CrashkitError for one it does not have."""
+    own = model.joint(joint)
+    return with_changed_joint(model, joint, factors=(*own.factors, factor), parameters={**own.parameters, **parameters})
 
 
 def with_instrument_error(model: Model, instrument: str, sensor: str, name: str, parameter: Parameter) -> Model:
@@ -45,7 +52,3 @@ def fresh_name(wanted: str, taken: Iterable[str]) -> str:
     taken = set(taken)
     candidates = [wanted, *(f"{wanted}_{number}" for number in range(2, len(taken) + 3))]
     return next(name for name in candidates if name not in taken)
-
-
-def _multiplied(joint: Joint, factor: str, parameters: Mapping[str, Parameter | tuple[Parameter, ...]]) -> Joint:
-    return evolve(joint, factors=(*joint.factors, factor), parameters={**joint.parameters, **parameters})

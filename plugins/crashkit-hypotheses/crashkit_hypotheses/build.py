@@ -8,7 +8,7 @@ from attrs import evolve, field, frozen
 
 from crashkit.mechanics.given import side_of
 from crashkit.model import Body, Joint, Model, Parameter
-from crashkit.model.edit import fresh_name, with_factor, with_joint
+from crashkit.model.edit import fresh_name, with_changed_joint, with_factor, with_joint
 from crashkit.protocols import Proposal
 from crashkit.registry import load
 
@@ -97,8 +97,8 @@ def pushing_beside(model: Model, joint: Joint, effect: Effect) -> list[Proposal]
 
 def changed(model: Model, joint: Joint, effect: Effect) -> Proposal:
     """Parameters of the law of `joint`, which it had left out; the law may be another one that holds its own."""
-    own = evolve(joint, law=effect.law, parameters={**joint.parameters, **effect.parameters})
-    augmented = evolve(model, joints=tuple(own if j.name == joint.name else j for j in model.joints))
+    numbers = {**joint.parameters, **effect.parameters}
+    augmented = with_changed_joint(model, joint.name, law=effect.law, parameters=numbers)
     return proposal(augmented, {"joint": joint.name}, f"joint.{joint.name}.", effect)
 
 
@@ -111,8 +111,8 @@ def multiplied(model: Model, joint: Joint, effect: Effect) -> Proposal:
 def driven(model: Model, joint: Joint, driver: Joint, effect: Effect) -> Proposal:
     """A factor on `joint` that another joint's deformation drives."""
     augmented = with_factor(model, joint.name, effect.law, effect.parameters)
-    moved = tuple(evolve(j, driver=driver.name) if j.name == joint.name else j for j in augmented.joints)
-    return proposal(evolve(augmented, joints=moved), {"joint": joint.name}, f"joint.{joint.name}.", effect)
+    moved = with_changed_joint(augmented, joint.name, driver=driver.name)
+    return proposal(moved, {"joint": joint.name}, f"joint.{joint.name}.", effect)
 
 
 def grounded(model: Model, body: Body, effect: Effect, across: bool = False) -> Proposal:

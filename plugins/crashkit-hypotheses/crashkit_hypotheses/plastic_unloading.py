@@ -7,6 +7,7 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
+from crashkit.model.edit import with_changed_joint
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit.registry import load
 from crashkit_hypotheses.build import Effect, changed, grid, multiplied
@@ -72,8 +73,7 @@ class PlasticUnloading(Hypothesis):
         return Effect(self.physics, "two lines", law, lines, "unloading_stiffness", starts, null=None)
 
     def _set(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> Proposal:
-        level = evolve(joint, parameters={**joint.parameters, "unloading_stiffness": LEVEL})
-        unloading = evolve(model, joints=tuple(level if j.name == joint.name else j for j in model.joints))
+        level = with_changed_joint(model, joint.name, parameters={**joint.parameters, "unloading_stiffness": LEVEL})
         back = {
             "residual_share": Parameter(0.3, 0.0, 0.99),
             "unloading_exponent": Parameter(1.2, 1.0, 10.0),
@@ -81,7 +81,7 @@ class PlasticUnloading(Hypothesis):
         }
         starts = grid(residual_share=(0.2, 0.5, 0.8))
         residual = Effect(self.physics, "set", "residual_set", back, "residual_share", starts, null=None)
-        return multiplied(unloading, level, residual)
+        return multiplied(level, joint, residual)
 
 
 def _of_a_share(model: Model, joint: Joint, unloading: Effect) -> Proposal | None:
