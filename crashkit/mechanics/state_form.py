@@ -43,7 +43,7 @@ def state_form(model: Model, laws: Laws, motion: xr.Dataset) -> xr.Dataset:
         begin it. A crossing, and the largest deformation, are known to the sampling of the motion.
     """
     equations = StateForm(model, laws, motion)
-    values = {path: parameter.value for path, parameter in model.parameters().items()}
+    values = model.values()
     modes = equations.modes(values)
     acceleration, matrix = equations.at(values, modes)
     given = acceleration - matrix @ np.array([values[path] for path in equations.paths])

@@ -55,6 +55,10 @@ class Model:
         """Every parameter by its path, in the order of the file."""
         return dict(self._walk())
 
+    def values(self) -> dict[str, float]:
+        """The value of every parameter, SI units, by path."""
+        return {path: parameter.value for path, parameter in self._walk()}
+
     def free_parameters(self) -> dict[str, Parameter]:
         """The parameters that an identification may move, by path."""
         return {path: parameter for path, parameter in self._walk() if not parameter.fixed}

@@ -19,7 +19,7 @@ BEYOND = 1.15
 
 def predict(misfit: Misfit) -> list[Prediction]:
     """The predictions of the misfit's model at its own values, one for each group."""
-    return misfit.predictor.predict({name: p.value for name, p in misfit.model.free_parameters().items()})
+    return misfit.predictor.predict(misfit.model.values())
 
 
 def fit_of(misfit: Misfit, predictions: Sequence[Prediction]) -> Fit:

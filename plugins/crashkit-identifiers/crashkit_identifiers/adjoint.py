@@ -33,8 +33,7 @@ def cost_and_adjoint(problem: Misfit, point: np.ndarray) -> tuple[float, np.ndar
     cost = half_square(residual)
     if not np.isfinite(cost):
         return np.inf, np.zeros(len(point))
-    own = {path: parameter.value for path, parameter in problem.model.parameters().items()}
-    values, weights = own | problem.values(point), _weights(problem, residual)
+    values, weights = problem.model.values() | problem.values(point), _weights(problem, residual)
     gradient = np.zeros(len(point))
     for run, weight in weights.items():
         initial, step = initial_state(problem.recordings[run], problem.model), problem.predictor.step

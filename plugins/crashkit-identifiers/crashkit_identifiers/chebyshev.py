@@ -107,14 +107,14 @@ class _LawFit(SameVariables):
         self.misfit = misfit
         forms = [StateForm(misfit.model, laws_of(misfit), known(motion), engine_of(misfit)) for motion in measured.values()]
         self._tracks = [track for form in forms for track in form.tracks]
-        own = {path: parameter.value for path, parameter in misfit.model.parameters().items()}
+        own = misfit.model.values()
         places = [(surfaces[track.law.joint.name], track.states(own)[:, :2].T) for track in self._tracks]
         self._wanted = [surface.force(*state) for surface, state in places]
         self._weights = [surface.is_inside(*state) / surface.size for surface, state in places]
 
     def residual_and_jacobian(self, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Shares, and their derivatives to the search variables."""
-        values = {path: p.value for path, p in self.misfit.model.parameters().items()} | self.misfit.values(scaled)
+        values = self.misfit.model.values() | self.misfit.values(scaled)
         residuals, slopes = [], []
         for track, wanted, weight in zip(self._tracks, self._wanted, self._weights, strict=True):
             force, columns = track.push(track.modes(values), values, self.names)

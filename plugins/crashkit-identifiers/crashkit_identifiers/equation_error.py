@@ -33,7 +33,7 @@ class EquationError(SameVariables):
 
     def residual_and_jacobian(self, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What the equations leave of the measured accelerations, and its derivatives to the search variables."""
-        values = {path: p.value for path, p in self.misfit.model.parameters().items()} | self.misfit.values(scaled)
+        values = self.misfit.model.values() | self.misfit.values(scaled)
         parts = [run.residual_and_jacobian(values, self.names) for run in self._runs]
         residual, jacobian = (np.concatenate(side) for side in zip(*parts, strict=True))
         return residual, jacobian * self.scaling(scaled)

@@ -116,7 +116,7 @@ def readings_of(misfit: Misfit, measured: Mapping[str, xr.Dataset], per_run: int
     states: dict[str, list[np.ndarray]] = {joint.name: [] for joint in model.joints}
     along: dict[str, list[np.ndarray]] = {joint.name: [] for joint in model.joints}
     loads, stds, runs = [], [], []
-    values = {path: parameter.value for path, parameter in model.parameters().items()}
+    values = model.values()
     for number, motion in enumerate(measured.values()):
         acceleration, std = (motion[name].values[:, rows, 0] for name in ("acceleration", "acceleration_std"))
         keep = _spread(acceleration, std, per_run)

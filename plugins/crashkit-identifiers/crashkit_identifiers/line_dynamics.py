@@ -49,7 +49,7 @@ class LineDynamics:
         model, laws = misfit.model, laws_of(misfit)
         self._moving = [body.name for body in model.bodies if not body.fixed]
         self.count = len(self._moving)
-        self._values = {path: parameter.value for path, parameter in model.parameters().items()}
+        self._values = model.values()
         start = dict(zip([b.name for b in model.bodies], motion["position"].values[0, :, 0].tolist(), strict=True))
         self._still = {body.name: body.position[0] for body in model.bodies if body.fixed}
         self._springs = []
