@@ -40,8 +40,6 @@ PIXEL_TAIL, CENTRE_TAIL, LENS_TAIL = 1.0, 4.0, 4.0
 """Degrees of freedom: pixels are square or not at all, centres and lenses are good or less good."""
 UNKNOWN = Prior(math.inf, math.inf, (math.inf,) * 3, math.inf)
 """Nothing is known: the sixteen coefficients by maximum likelihood, as the paper has them."""
-UNDISTORTED = Prior(math.inf, math.inf, (0.0,) * 3, 0.0)
-"""No distortion, all else unknown: eleven coefficients."""
 
 
 @frozen(eq=False)

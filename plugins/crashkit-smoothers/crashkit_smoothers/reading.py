@@ -46,11 +46,6 @@ class Reading:
         """What the rounding of their digits adds to a scaled sum of squares."""
         return self.count * float(ROUNDING * np.max(np.abs(self.z)) * np.max(self.scale)) ** 2
 
-    @property
-    def unscaled(self) -> np.ndarray:
-        """(sample,) the standard deviation of each sample, of that of one whose scaled deviation is 1."""
-        return 1.0 / (self.scale * np.sqrt(self.correlation))
-
 
 def read_channel(name: str, samples: xr.DataArray, std: float | xr.DataArray | None, fewest: int) -> Reading:
     """The samples of a channel, as `Smoother.smooth` takes them.
