@@ -1,2 +1,2 @@
-"""The compiled part of the mechanics: each module's text below its mark is pasted, in this order, behind the laws of an
-engine."""
+"""The compiled part of the mechanics: an engine's module is a header and each module's text below its mark, in the order that
+`engine.py` gives."""

@@ -168,8 +168,6 @@ def begin_adjoint(bodies, joints, state, lam, joint_gradient, free):
 
     Arguments:
         free: by joint, whether its free length is the distance at t = 0.
-        response, load, nothing, mu: room for the adjoint of the state's derivative, of the forces, of what is recorded
-            beside the state (all 0), and of the state at each stage.
     """
     locate(bodies, state, START)
     for j in range(joints.size):
