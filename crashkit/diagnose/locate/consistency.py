@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 import xarray as xr
 from attrs import frozen
+from scipy.integrate import cumulative_trapezoid
 from scipy.linalg import solve_triangular
 
 from crashkit.misfit import Group, Misfit
@@ -71,8 +72,8 @@ def _compare(film: Group, sensor: Group, body: str, seen: xr.Dataset, felt: xr.D
     inside = np.isfinite(position) & (film.times >= sensor.times[0]) & (film.times <= sensor.times[-1])
     if inside.sum() < 8 or not np.isfinite(acceleration).all():
         return
-    velocity = _integral(sensor.times, acceleration)
-    displacement = _integral(sensor.times, velocity)
+    velocity = cumulative_trapezoid(acceleration, sensor.times, initial=0.0)
+    displacement = cumulative_trapezoid(velocity, sensor.times, initial=0.0)
     times = film.times[inside]
     integral, slope = np.interp(times, sensor.times, displacement), np.interp(times, sensor.times, velocity)
     covariance = _covariance(times - sensor.times[0], _variance(film, body, "marker"), _density(sensor, body))
@@ -131,7 +132,3 @@ def _density(sensor: Group, body: str) -> float:
     """Spectral density of the mean of a body's accelerometers at low frequencies."""
     correlation = sensor.channels[0].noise.correlation
     return _variance(sensor, body, "sensor") * correlation * float(np.median(np.diff(sensor.times)))
-
-
-def _integral(times: np.ndarray, values: np.ndarray) -> np.ndarray:
-    return np.concatenate([[0.0], np.cumsum(0.5 * np.diff(times) * (values[1:] + values[:-1]))])

@@ -6,6 +6,7 @@ from itertools import product
 import numpy as np
 import xarray as xr
 from attrs import frozen
+from scipy.integrate import cumulative_trapezoid
 
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.model.edit import fresh_name, with_body, with_joint
@@ -62,8 +63,8 @@ def meeting(recording: xr.DataTree, carrier: Body, mass: float, obstacles: Seque
         return None
     time, acceleration, force, velocity = known
     residual = force + mass * acceleration
-    velocity = velocity + _integral(acceleration, time)
-    way, impulse = _integral(velocity, time), _integral(residual, time)
+    velocity = velocity + cumulative_trapezoid(acceleration, time, initial=0.0)
+    way, impulse = (cumulative_trapezoid(rate, time, initial=0.0) for rate in (velocity, residual))
     end = int(np.argmax(impulse))
     load = impulse[end] / velocity[end] if velocity[end] > 0.0 else 0.0
     if not SHARES[0] * mass < load < SHARES[1] * mass:
@@ -202,9 +203,3 @@ def _channel(recording: xr.DataTree, observer: str, quantity: str, body: str) ->
             if present.sum() > 1:
                 return node["time"].values[present], samples[present]
     return None
-
-
-def _integral(samples: np.ndarray, time: np.ndarray) -> np.ndarray:
-    """From the first time stamp on, by the trapezoidal rule."""
-    steps = 0.5 * (samples[1:] + samples[:-1]) * np.diff(time)
-    return np.concatenate([[0.0], np.cumsum(steps)])
