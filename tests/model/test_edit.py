@@ -6,7 +6,15 @@ from hypothesis import strategies as st
 
 from crashkit.errors import CrashkitError
 from crashkit.model import Body, Joint, Model, Parameter
-from crashkit.model.edit import fresh_name, with_body, with_factor, with_instrument_error, with_joint, without_joint
+from crashkit.model.edit import (
+    fresh_name,
+    with_body,
+    with_changed_joint,
+    with_factor,
+    with_instrument_error,
+    with_joint,
+    without_joint,
+)
 
 MODEL = Model(
     "model",
@@ -35,6 +43,13 @@ def test_a_joint_is_taken_away():
         without_joint(MODEL, "rear")
 
 
+def test_one_joint_is_changed():
+    changed = with_changed_joint(MODEL, "front", law="hook", factors=("rate_linear",))
+    assert (changed.joint("front").law, changed.joint("front").factors) == ("hook", ("rate_linear",))
+    assert changed.joint("front").parameters == MODEL.joint("front").parameters
+    assert changed.joint("side") == MODEL.joint("side")
+
+
 def test_a_factor_multiplies_one_joint_and_adds_its_parameters():
     slope = Parameter(0.1, 0.0, 1.0)
     changed = with_factor(MODEL, "front", "rate_linear", {"rate_slope": slope})
@@ -42,6 +57,11 @@ def test_a_factor_multiplies_one_joint_and_adds_its_parameters():
     assert changed.parameters()["joint.front.rate_slope"] == slope
     assert changed.parameters()["joint.front.stiffness"] == Parameter(1e5)
     assert changed.joint("side") == MODEL.joint("side")
+
+
+def test_a_factor_needs_a_joint():
+    with pytest.raises(CrashkitError, match='expected one of the joints .*, found "rear"'):
+        with_factor(MODEL, "rear", "rate_linear", {})
 
 
 def test_factors_multiply_each_other():

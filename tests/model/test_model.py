@@ -60,6 +60,7 @@ def test_values_that_it_takes():
     changed = MODEL.with_values({"joint.front.stiffness": 2e5, "joint.front.gap": 0.0, "body.car.mass": 900})
     assert changed.parameters()["joint.front.stiffness"] == Parameter(2e5, 1e4, 1e6)
     assert changed.parameters()["body.car.mass"] == Parameter(900.0, fixed=True)
+    assert changed.values() == {path: parameter.value for path, parameter in changed.parameters().items()}
 
 
 def test_a_search_may_leave_the_bounds():
