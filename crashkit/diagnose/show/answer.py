@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 import xarray as xr
 from attrs import evolve
 
-from crashkit.diagnose.fitting.evidence import FLOOR
+from crashkit.diagnose.fitting.evidence import FLOOR, Rival
 from crashkit.diagnose.fitting.leftover import leaves_something
-from crashkit.diagnose.fitting.search import Search
+from crashkit.diagnose.fitting.rebuild import rebuild
+from crashkit.diagnose.fitting.search import Search, begin
 from crashkit.diagnose.fitting.sharpen import ROUGHLY, weighed_alike
 from crashkit.diagnose.locate.consistency import by_run, check_instruments
 from crashkit.diagnose.name.follow import Discovery
@@ -24,7 +25,7 @@ from crashkit.diagnose.show.tables import identified_table, limits_table, rankin
 from crashkit.diagnose.show.words import far_off, noted, summarise
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
-from crashkit.model import Body, Model
+from crashkit.model import Model
 from crashkit.protocols import Identification
 
 BELIEVED, INCOMPLETE = 0.97, 0.5
@@ -114,7 +115,7 @@ def _findings(
             run_drops(look.before, rival.search.fitted()),
             max(float(group.times[-1]) for group in discovery.final.groups),
         )
-        told.append((_with_experiment(workshop, finding, look, discovery.base.model.bodies), action))
+        told.append((_with_experiment(workshop, discovery, finding, look), action))
     if discovery.search.normalised > FLOOR and UNKNOWN in workshop.hypotheses:
         told = _imitations_told(told, workshop.hypotheses[UNKNOWN].sentence)
     trees = {f"{number}/{run}": one for number, (_, action) in enumerate(told) for run, one in action.items()}
@@ -140,14 +141,23 @@ def _alternatives(look: Look, belief: float) -> list[Alternative]:
     ]
 
 
-def _with_experiment(workshop: Workshop, finding: Finding, look: Look, bodies: Sequence[Body]) -> Finding:
+def _with_experiment(workshop: Workshop, discovery: Discovery, finding: Finding, look: Look) -> Finding:
     """The finding with the test that would tell it from its strongest rival, if that is worth telling."""
     if len(look.rivals) < 2 or look.probabilities[1] < WORTH_TELLING:
         return finding
     first, second = look.rivals[:2]
     name = f"{second.proposal.physics} at {second.place}"
-    best, rival = _seen_alike(workshop, first.search.fitted(), second.search.fitted())
-    return evolve(finding, experiment=experiment(best, rival, name, bodies))
+    others = [one.leader for one in discovery.findings if one is not look]
+    beside = _beside(workshop, discovery, second, others) if others else None
+    best, rival = beside or _seen_alike(workshop, first.search.fitted(), second.search.fitted())
+    return evolve(finding, experiment=experiment(best, rival, name, discovery.base.model.bodies))
+
+
+def _beside(workshop: Workshop, discovery: Discovery, rival: Rival, others: Sequence[Rival]) -> tuple[Misfit, Misfit] | None:
+    """What was found, and a rival beside the other findings in their last forms: it was fitted beside earlier ones, which no
+    test of the rival needs to tell apart. None if it cannot be placed there."""
+    again = rebuild(workshop, begin(workshop.identifier, discovery.base), [*others, rival], rival.search)
+    return None if again is None else (discovery.final, again.fitted())
 
 
 def _seen_alike(workshop: Workshop, first: Misfit, second: Misfit) -> tuple[Misfit, Misfit]:

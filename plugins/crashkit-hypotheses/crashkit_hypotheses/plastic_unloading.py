@@ -11,11 +11,12 @@ from crashkit.model.edit import with_changed_joint
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit.registry import load
 from crashkit_hypotheses.build import Effect, changed, grid, multiplied
-from crashkit_hypotheses.sizes import is_compressed, largest_deformation, largest_force
+from crashkit_hypotheses.sizes import gives_all_back, is_compressed, largest_deformation, largest_force
 
 LEVEL = Parameter(1.0, fixed=True)
 """N/m, a slope so small that the joint keeps its largest force on the way back, for a factor to lessen."""
 WHOLE = Parameter(1.0, fixed=True)
+SLOPE = "unloading_stiffness"
 SHARE = Parameter(0.0, 0.0, 1.0)
 
 
@@ -28,11 +29,13 @@ class PlasticUnloading(Hypothesis):
     sentence: ClassVar[str] = "{place} unloads along a path of its own and keeps part of its energy"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Every joint whose law can unload by its own slope and does not."""
-        used = [joint for joint in model.joints if _is_elastic(joint) and is_compressed(motion, joint.name)]
+        """Every joint whose law can unload by its own slope and does not; and, as fading, one that knows no other way back."""
+        used = [joint for joint in model.joints if is_compressed(motion, joint.name)]
         plain = (self._line, self._fading, self._set, self._line_of_a_share, self._fading_of_a_share)
         forms = (*plain, self._two_lines, self._two_lines_of_a_share)
-        return [one for joint in used for form in forms if (one := form(model, joint, motion)) is not None]
+        sloped = [form(model, joint, motion) for joint in used if _is_elastic(joint) for form in forms]
+        slopeless = [joint for joint in used if SLOPE not in joint.parameters and gives_all_back(motion, joint.name)]
+        return [one for one in sloped if one is not None] + [self._fading(model, joint, motion) for joint in slopeless]
 
     def _line(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> Proposal:
         slope, secant = _slope(joint, motion)
@@ -108,5 +111,5 @@ def _length(joint: Joint, motion: Sequence[xr.Dataset]) -> tuple[dict[str, Param
 
 
 def _is_elastic(joint: Joint) -> bool:
-    slope = joint.parameters.get("unloading_stiffness")
+    slope = joint.parameters.get(SLOPE)
     return isinstance(slope, Parameter) and slope.value == 0.0

@@ -8,6 +8,8 @@ import xarray as xr
 
 from crashkit.model import Joint, Model
 
+SAME = 0.02
+"""Of the largest force: forces that differ by less are the same."""
 NEARER = 1e-3
 """m, least approach of two bodies that may touch."""
 
@@ -42,6 +44,18 @@ def pulls(motions: Sequence[xr.Dataset], joint: str) -> bool:
 def is_compressed(motions: Sequence[xr.Dataset], joint: str) -> bool:
     """Whether a joint is compressed in some run."""
     return largest_deformation(motions, joint) > 0.0
+
+
+def gives_all_back(motions: Sequence[xr.Dataset], joint: str) -> bool:
+    """Whether the force of a joint is the same on the way out and on the way back, in all runs."""
+    return all(_returned(one["deformation"].sel(joint=joint).values, one["force"].sel(joint=joint).values) for one in motions)
+
+
+def _returned(deformation: np.ndarray, force: np.ndarray) -> bool:
+    turn = int(np.nanargmax(deformation))
+    out, back = slice(turn + 1), slice(turn, None)
+    loading = np.interp(deformation[back], np.maximum.accumulate(deformation[out]), force[out])
+    return bool(np.abs(loading - force[back]).max() <= SAME * np.abs(force).max())
 
 
 def compressed(model: Model, motions: Sequence[xr.Dataset]) -> list[Joint]:
