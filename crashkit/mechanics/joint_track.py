@@ -1,15 +1,17 @@
-"""One joint along a given motion: its deformation, where it pushes, and how hard."""
+"""Joints along a given motion: how it deforms them, where they push, and how hard (Mizzi & Jezequel 1992, eq 7-11)."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 from attrs import frozen
 from scipy.spatial.transform import Rotation
 
+from crashkit.mechanics.engine import Engine, compile_engine
 from crashkit.mechanics.given import side_of
 from crashkit.mechanics.joint_law import JointLaw
 from crashkit.mechanics.kernel.arrays import TO_D, TO_D_MAX, TO_MEMORY, Integers
+from crashkit.mechanics.layout import Laws, functions_of
 from crashkit.model import Joint, Model
 
 XYZ = ("x", "y", "z")
@@ -60,6 +62,10 @@ class Track:
         """(time, 3), deformation, its rate, and the largest deformation so far."""
         return self.own.states(values)
 
+    def force(self, values: Mapping[str, float]) -> np.ndarray:
+        """What it pushes with, (time,), N."""
+        return self.law.forces(self.times, self.states(values), self.law.numbers(values), self._drive(values))
+
     def modes(self, values: Mapping[str, float]) -> Integers:
         """The branches (function, time) that the law and its factors take."""
         return self.law.modes(self.times, self.states(values), self.law.numbers(values), self._drive(values))
@@ -79,8 +85,15 @@ class Track:
         return None if self.driver is None else self.driver.states(values)
 
 
-def track_of(model: Model, joint: Joint, law: JointLaw, motion: xr.Dataset) -> Track:
-    """A joint of a model along a motion, as `state_form` takes it (Mizzi & Jezequel 1992, eq 7-11)."""
+def tracks_of(model: Model, laws: Laws, motion: xr.Dataset, engine: Engine | None = None) -> list[Track]:
+    """The joints of a model along a motion, as `state_form` takes them; `engine` None: one of their own."""
+    engine = engine or compile_engine(functions_of(model, laws), len(model.axes))
+    return [track_of(model, JointLaw(joint, laws, engine), motion) for joint in model.joints]
+
+
+def track_of(model: Model, law: JointLaw, motion: xr.Dataset) -> Track:
+    """The joint of a law along a motion."""
+    joint = law.joint
     first, second = (_End.of(model, joint, number, motion) for number in (0, 1))
     apart = second.place - first.place
     direction, _ = _direction(model, joint, first, apart)
@@ -90,6 +103,20 @@ def track_of(model: Model, joint: Joint, law: JointLaw, motion: xr.Dataset) -> T
     ends = (rows[0], -_wrench(direction, first_arm)), (rows[1], _wrench(direction, second.arm))
     driver = _stretch_of(model, model.joint(joint.driver), motion) if joint.driver else None
     return Track(law, motion.variables["time"].values.astype(float), _stretch_of(model, joint, motion), driver, ends)
+
+
+def load_on(rest: np.ndarray, tracks: Iterable[Track], forces: Iterable[np.ndarray]) -> np.ndarray:
+    """What acts on each body, (time, body, axis), N, and in several axes as many moments, N m.
+
+    Arguments:
+        rest: likewise, what acts besides these joints.
+        tracks, forces: the joints, and what each pushes with, (time,), N.
+    """
+    load = rest.copy()
+    for track, force in zip(tracks, forces, strict=True):
+        for row, along in track.ends:
+            load[:, row] += force[:, None] * along
+    return load
 
 
 def _stretch_of(model: Model, joint: Joint, motion: xr.Dataset) -> Stretch:

@@ -6,11 +6,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from crashkit.mechanics.engine import Engine, compile_engine
-from crashkit.mechanics.joint_law import JointLaw
-from crashkit.mechanics.joint_track import XYZ, Track, in_space, rotations, track_of
+from crashkit.mechanics.engine import Engine
+from crashkit.mechanics.joint_track import XYZ, in_space, rotations, tracks_of
 from crashkit.mechanics.kernel.arrays import Integers
-from crashkit.mechanics.layout import Laws, functions_of
+from crashkit.mechanics.layout import Laws
 from crashkit.model import Body, Model
 
 NUDGE = 1.25
@@ -72,9 +71,8 @@ class StateForm:
 
     def __init__(self, model: Model, laws: Laws, motion: xr.Dataset, engine: Engine | None = None) -> None:
         self.model, self.motion = model, motion
-        engine = engine or compile_engine(functions_of(model, laws), len(model.axes))
         self.paths = tuple(path for path in model.free_parameters() if not path.startswith("instrument."))
-        self.tracks: list[Track] = [track_of(model, joint, JointLaw(joint, laws, engine), motion) for joint in model.joints]
+        self.tracks = tracks_of(model, laws, motion, engine)
         self._dof = 1 if len(model.axes) == 1 else 6
         self._loads = _given_loads(model, motion, self._dof)
 

@@ -35,7 +35,7 @@ def recorded_motion(misfit: Misfit, run: str, simulated: xr.Dataset, smoother: S
                 smooth = smoother.smooth(seen["position"].sel(body=body).isel(axis=0, drop=True))
                 acceleration.loc[at] = np.interp(acceleration["time"], smooth["time"], smooth["second_derivative"])
             observed.loc[{"body": body}] = True
-    return simulated[["position", "velocity"]].assign(acceleration=acceleration, observed=observed)
+    return simulated.assign(acceleration=acceleration, observed=observed)
 
 
 def missing_force(model: Model, laws: Mapping[str, type[SpringLaw]], motion: xr.Dataset) -> xr.Dataset:
