@@ -23,12 +23,14 @@ class Stretch:
 
     Arguments:
         free_length: path of its free length.
+        direction: (time, axis), in which it pushes its second body.
         distance, nearest: (time,) m, of its ends, and the least so far.
         rate: (time,) m s-1, of its deformation.
         length: m, its free length where the values do not give it.
     """
 
     free_length: str
+    direction: np.ndarray
     distance: np.ndarray
     nearest: np.ndarray
     rate: np.ndarray
@@ -95,14 +97,13 @@ def track_of(model: Model, law: JointLaw, motion: xr.Dataset) -> Track:
     """The joint of a law along a motion."""
     joint = law.joint
     first, second = (_End.of(model, joint, number, motion) for number in (0, 1))
-    apart = second.place - first.place
-    direction, _ = _direction(model, joint, first, apart)
+    own = stretch_of(model, joint, motion)
     # Against the flat face of the first body both forces act at the point of the second.
-    first_arm = first.arm + apart if joint.normal is not None else first.arm
+    first_arm = first.arm if joint.normal is None else first.arm + second.place - first.place
     rows = [[body.name for body in model.bodies].index(name) for name in joint.pushed]
-    ends = (rows[0], -_wrench(direction, first_arm)), (rows[1], _wrench(direction, second.arm))
-    driver = _stretch_of(model, model.joint(joint.driver), motion) if joint.driver else None
-    return Track(law, motion.variables["time"].values.astype(float), _stretch_of(model, joint, motion), driver, ends)
+    ends = (rows[0], -_wrench(own.direction, first_arm)), (rows[1], _wrench(own.direction, second.arm))
+    driver = stretch_of(model, model.joint(joint.driver), motion) if joint.driver else None
+    return Track(law, motion.variables["time"].values.astype(float), own, driver, ends)
 
 
 def load_on(rest: np.ndarray, tracks: Iterable[Track], forces: Iterable[np.ndarray]) -> np.ndarray:
@@ -119,14 +120,15 @@ def load_on(rest: np.ndarray, tracks: Iterable[Track], forces: Iterable[np.ndarr
     return load
 
 
-def _stretch_of(model: Model, joint: Joint, motion: xr.Dataset) -> Stretch:
+def stretch_of(model: Model, joint: Joint, motion: xr.Dataset) -> Stretch:
+    """How a motion deforms a joint between bodies of the model."""
     first, second = (_End.of(model, joint, number, motion) for number in (0, 1))
     apart, parting = second.place - first.place, second.speed - first.speed
     direction, turning = _direction(model, joint, first, apart)
     distance = (direction * apart).sum(axis=1)
     rate = -(direction * parting + turning * apart).sum(axis=1)
     length = float(distance[0]) if joint.free_length is None else joint.free_length.value
-    return Stretch(f"joint.{joint.name}.free_length", distance, np.minimum.accumulate(distance), rate, length)
+    return Stretch(f"joint.{joint.name}.free_length", direction, distance, np.minimum.accumulate(distance), rate, length)
 
 
 def in_space(axes: Sequence[str], vector: Sequence[float]) -> np.ndarray:

@@ -74,7 +74,7 @@ class StateForm:
         self.paths = tuple(path for path in model.free_parameters() if not path.startswith("instrument."))
         self.tracks = tracks_of(model, laws, motion, engine)
         self._dof = 1 if len(model.axes) == 1 else 6
-        self._loads = _given_loads(model, motion, self._dof)
+        self._loads = given_loads(model, motion, self._dof)
 
     def modes(self, values: Mapping[str, float]) -> list[Integers]:
         """The branches (function, time) that each joint takes."""
@@ -164,8 +164,8 @@ def _unit_inertia(model: Model, entry: tuple[int, int]) -> np.ndarray:
     return matrix
 
 
-def _given_loads(model: Model, motion: xr.Dataset, dof: int) -> np.ndarray:
-    """The forces and moments (time, body, axis) that a test puts on its bodies."""
+def given_loads(model: Model, motion: xr.Dataset, dof: int) -> np.ndarray:
+    """The forces (N) and, where `dof` is 6, moments (N m) that a test puts on its bodies, (time, body, axis)."""
     times = motion["time"].values
     loads = np.zeros((len(times), len(model.bodies), dof))
     for row, body in enumerate(model.bodies):
