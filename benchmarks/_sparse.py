@@ -10,6 +10,7 @@ from scipy.integrate import cumulative_trapezoid
 from crashkit.diagnose.show.fits import fit_of, predict
 from crashkit.errors import SimulationError
 from crashkit.mechanics.along import forces_along
+from crashkit.mechanics.given import side_of
 from crashkit.misfit import Misfit
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import ParameterSpec, SpringLaw
@@ -104,8 +105,7 @@ def _joint(joint: Joint, coefficient: np.ndarray, deepest: float, fastest: float
 
 def _side(model: Model, joint: Joint, body: str) -> float:
     """In which direction a compressed joint pushes a body; 0 where it does not hold it."""
-    front, back = (model.body(name).position[0] for name in joint.bodies)
-    return float(np.sign(back - front)) * ((body == joint.bodies[1]) - (body == joint.bodies[0]))
+    return side_of(model, joint) * ((body == joint.bodies[1]) - (body == joint.bodies[0]))
 
 
 def _recorded(model: Model, recording: xr.DataTree) -> xr.Dataset:

@@ -92,6 +92,13 @@ class JointLaw:
             self._followed(part, times, _of(part, states, drive), own, taken, choose=True)
         return modes
 
+    def forces(self, times: Floats, states: Floats, numbers: Numbers, drive: Floats | None = None) -> Floats:
+        """The forces (time,), N, along a motion that begins without memory; arguments as of `modes`."""
+        force, modes = np.ones(len(times)), np.zeros(len(times), dtype=np.int64)
+        for part, own in zip(self._parts, numbers, strict=True):
+            force *= self._followed(part, times, _of(part, states, drive), own, modes, choose=True)[0]
+        return force
+
     def evaluate(
         self, times: Floats, states: Floats, modes: Integers, numbers: Numbers, drive: Floats | None = None
     ) -> tuple[Floats, Floats, Floats]:

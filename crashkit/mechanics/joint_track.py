@@ -1,17 +1,20 @@
-"""One joint along a given motion: its deformation, where it pushes, and how hard."""
+"""Joints along a given motion: how it deforms them, where they push, and how hard (Mizzi & Jezequel 1992, eq 7-11)."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 from attrs import frozen
 from scipy.spatial.transform import Rotation
 
+from crashkit.mechanics.engine import Engine, compile_engine
 from crashkit.mechanics.given import side_of
 from crashkit.mechanics.joint_law import JointLaw
 from crashkit.mechanics.kernel.arrays import TO_D, TO_D_MAX, TO_MEMORY, Integers
+from crashkit.mechanics.layout import functions_of
 from crashkit.mechanics.motion import XYZ
 from crashkit.model import Joint, Model
+from crashkit.protocols import Laws
 
 
 @frozen(eq=False)
@@ -20,12 +23,14 @@ class Stretch:
 
     Arguments:
         free_length: path of its free length.
+        direction: (time, axis), in which it pushes its second body.
         distance, nearest: (time,) m, of its ends, and the least so far.
         rate: (time,) m s-1, of its deformation.
         length: m, its free length where the values do not give it.
     """
 
     free_length: str
+    direction: np.ndarray
     distance: np.ndarray
     nearest: np.ndarray
     rate: np.ndarray
@@ -59,6 +64,10 @@ class Track:
         """(time, 3), deformation, its rate, and the largest deformation so far."""
         return self.own.states(values)
 
+    def force(self, values: Mapping[str, float]) -> np.ndarray:
+        """What it pushes with, (time,), N."""
+        return self.law.forces(self.times, self.states(values), self.law.numbers(values), self._drive(values))
+
     def modes(self, values: Mapping[str, float]) -> Integers:
         """The branches (function, time) that the law and its factors take."""
         return self.law.modes(self.times, self.states(values), self.law.numbers(values), self._drive(values))
@@ -78,27 +87,48 @@ class Track:
         return None if self.driver is None else self.driver.states(values)
 
 
-def track_of(model: Model, joint: Joint, law: JointLaw, motion: xr.Dataset) -> Track:
-    """A joint of a model along a motion, as `state_form` takes it (Mizzi & Jezequel 1992, eq 7-11)."""
+def tracks_of(model: Model, laws: Laws, motion: xr.Dataset, engine: Engine | None = None) -> list[Track]:
+    """The joints of a model along a motion, as `state_form` takes them; `engine` None: one of their own."""
+    engine = engine or compile_engine(functions_of(model, laws), len(model.axes))
+    return [track_of(model, JointLaw(joint, laws, engine), motion) for joint in model.joints]
+
+
+def track_of(model: Model, law: JointLaw, motion: xr.Dataset) -> Track:
+    """The joint of a law along a motion."""
+    joint = law.joint
     first, second = (_End.of(model, joint, number, motion) for number in (0, 1))
-    apart = second.place - first.place
-    direction, _ = _direction(model, joint, first, apart)
+    own = stretch_of(model, joint, motion)
     # Against the flat face of the first body both forces act at the point of the second.
-    first_arm = first.arm + apart if joint.normal is not None else first.arm
+    first_arm = first.arm if joint.normal is None else first.arm + second.place - first.place
     rows = [[body.name for body in model.bodies].index(name) for name in joint.pushed]
-    ends = (rows[0], -_wrench(direction, first_arm)), (rows[1], _wrench(direction, second.arm))
-    driver = _stretch_of(model, model.joint(joint.driver), motion) if joint.driver else None
-    return Track(law, motion.variables["time"].values.astype(float), _stretch_of(model, joint, motion), driver, ends)
+    ends = (rows[0], -_wrench(own.direction, first_arm)), (rows[1], _wrench(own.direction, second.arm))
+    driver = stretch_of(model, model.joint(joint.driver), motion) if joint.driver else None
+    return Track(law, motion.variables["time"].values.astype(float), own, driver, ends)
 
 
-def _stretch_of(model: Model, joint: Joint, motion: xr.Dataset) -> Stretch:
+def load_on(rest: np.ndarray, tracks: Iterable[Track], forces: Iterable[np.ndarray]) -> np.ndarray:
+    """What acts on each body, (time, body, axis), N, and in several axes as many moments, N m.
+
+    Arguments:
+        rest: likewise, what acts besides these joints.
+        tracks, forces: the joints, and what each pushes with, (time,), N.
+    """
+    load = rest.copy()
+    for track, force in zip(tracks, forces, strict=True):
+        for row, along in track.ends:
+            load[:, row] += force[:, None] * along
+    return load
+
+
+def stretch_of(model: Model, joint: Joint, motion: xr.Dataset) -> Stretch:
+    """How a motion deforms a joint between bodies of the model."""
     first, second = (_End.of(model, joint, number, motion) for number in (0, 1))
     apart, parting = second.place - first.place, second.speed - first.speed
     direction, turning = _direction(model, joint, first, apart)
     distance = (direction * apart).sum(axis=1)
     rate = -(direction * parting + turning * apart).sum(axis=1)
     length = float(distance[0]) if joint.free_length is None else joint.free_length.value
-    return Stretch(f"joint.{joint.name}.free_length", distance, np.minimum.accumulate(distance), rate, length)
+    return Stretch(f"joint.{joint.name}.free_length", direction, distance, np.minimum.accumulate(distance), rate, length)
 
 
 def in_space(axes: Sequence[str], vector: Sequence[float]) -> np.ndarray:

@@ -11,6 +11,7 @@ from crashkit.errors import CrashkitError, SimulationError
 from crashkit.mechanics.adjoint import history_of, seeds_of, sweep_back
 from crashkit.mechanics.checks import Allowed, check_step, checked_times
 from crashkit.mechanics.engine import Engine, compile_engine
+from crashkit.mechanics.given import side_of
 from crashkit.mechanics.kernel.arrays import START, Floats, Record, Work
 from crashkit.mechanics.kernel.run import DONE, FULL, MEETING, NOT_FINITE
 from crashkit.mechanics.layout import Layout, functions_of, installed_laws, lay_out
@@ -49,6 +50,7 @@ class Simulator:
         if self.engine.axes != len(model.axes):
             found = f"one for {self.engine.axes}"
             raise CrashkitError(f"model {model.name}: expected an engine for {len(model.axes)} axes, found {found}")
+        sides = [side_of(model, joint) if len(model.axes) == 1 else np.nan for joint in model.joints]
         ends = np.array([joint.pushed for joint in model.joints], dtype=str).reshape(-1, 2)
         self.names = xr.Coordinates(
             {
@@ -56,6 +58,7 @@ class Simulator:
                 "axis": list(model.axes if len(model.axes) == 1 else XYZ),
                 "joint": np.array(self.layout.joints, dtype=str),
                 "joint_bodies": (("joint", "end"), ends),
+                "joint_side": ("joint", np.array(sides, dtype=float)),
                 "joint_support": ("joint", np.array([joint.support for joint in model.joints], dtype=bool)),
             }
         )
@@ -91,10 +94,11 @@ class Simulator:
 
         Returns:
             A motion of all bodies, with `deformation`, `deformation_rate` and `force` by joint, `contact_force`, the net force
-            of its joints on each body, and the coordinate `joint_bodies(joint, end)`. Plane motion and space have all three
-            axes, and also `orientation`, `angular_velocity`, `angular_acceleration` and `contact_moment`. With sensitivities
-            also `<quantity>_sensitivity`, each with a last dim `parameter`, of all of these; that of the
-            orientation is `rotation_sensitivity`, a small rotation vector in the laboratory frame.
+            of its joints on each body, and the coordinates `joint_bodies(joint, end)`, the bodies that a joint pushes, and
+            `joint_side(joint)`, the direction in which it pushes the second of them, NaN in several axes. Plane motion and
+            space have all three axes, and also `orientation`, `angular_velocity`, `angular_acceleration` and
+            `contact_moment`. With sensitivities also `<quantity>_sensitivity`, each with a last dim `parameter`, of all of
+            these; that of the orientation is `rotation_sensitivity`, a small rotation vector in the laboratory frame.
 
         Raises:
             CrashkitError: a path the model does not have, a value that its file could not hold, times or a step that cannot be

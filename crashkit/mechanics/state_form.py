@@ -6,11 +6,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from crashkit.mechanics.engine import Engine, compile_engine
-from crashkit.mechanics.joint_law import JointLaw
-from crashkit.mechanics.joint_track import Track, in_space, rotations, track_of
+from crashkit.mechanics.engine import Engine
+from crashkit.mechanics.joint_track import in_space, rotations, tracks_of
 from crashkit.mechanics.kernel.arrays import Integers
-from crashkit.mechanics.layout import functions_of
 from crashkit.mechanics.motion import XYZ
 from crashkit.model import Body, Model
 from crashkit.protocols import Laws
@@ -74,11 +72,10 @@ class StateForm:
 
     def __init__(self, model: Model, laws: Laws, motion: xr.Dataset, engine: Engine | None = None) -> None:
         self.model, self.motion = model, motion
-        engine = engine or compile_engine(functions_of(model, laws), len(model.axes))
         self.paths = tuple(path for path in model.free_parameters() if not path.startswith("instrument."))
-        self.tracks: list[Track] = [track_of(model, joint, JointLaw(joint, laws, engine), motion) for joint in model.joints]
+        self.tracks = tracks_of(model, laws, motion, engine)
         self._dof = 1 if len(model.axes) == 1 else 6
-        self._loads = _given_loads(model, motion, self._dof)
+        self._loads = given_loads(model, motion, self._dof)
 
     def modes(self, values: Mapping[str, float]) -> list[Integers]:
         """The branches (function, time) that each joint takes."""
@@ -168,8 +165,8 @@ def _unit_inertia(model: Model, entry: tuple[int, int]) -> np.ndarray:
     return matrix
 
 
-def _given_loads(model: Model, motion: xr.Dataset, dof: int) -> np.ndarray:
-    """The forces and moments (time, body, axis) that a test puts on its bodies."""
+def given_loads(model: Model, motion: xr.Dataset, dof: int) -> np.ndarray:
+    """The forces (N) and, where `dof` is 6, moments (N m) that a test puts on its bodies, (time, body, axis)."""
     times = motion["time"].values
     loads = np.zeros((len(times), len(model.bodies), dof))
     for row, body in enumerate(model.bodies):

@@ -7,6 +7,7 @@ from attrs import evolve
 
 from crashkit.mechanics.along import forces_along
 from crashkit.model import Body, Model, Parameter
+from crashkit.model.edit import with_joint
 
 CRUSH = {
     "elastic_stiffness": 1.2,
@@ -63,6 +64,29 @@ def test_so_they_are_in_the_plane_and_in_space(car, laws, simulator, axes):
         assert along[quantity].dims == motion[quantity].dims
         scale = float(np.abs(motion[quantity]).max())
         assert along[quantity].values == pytest.approx(motion[quantity].values, abs=1e-3 * scale), quantity
+
+
+@pytest.mark.parametrize("axes", [1, 2, 3])
+def test_what_a_law_remembers_is_known_to_the_sampling_of_the_motion(car, laws, simulator, axes):
+    relaxing = {"relaxing_stiffness": Parameter(1e6), "relaxation_time": Parameter(0.01)}
+    model = with_joint(car(axes), evolve(car(axes).joint("line"), name="relaxing", law="maxwell", parameters=relaxing))
+    motion = simulator(model).run(np.linspace(0.0, 0.08, 1601))
+    known = motion["force"].sel(joint="relaxing").values
+    assert known.max() > 1e4
+    along = forces_along(model, laws, motion)["force"].sel(joint="relaxing").values
+    assert along == pytest.approx(known, abs=1e-4 * known.max())
+
+
+def test_the_points_say_on_which_side_a_joint_pushes(against_wall, laws, simulator):
+    """A mass that stands before the wall and reaches around it."""
+    model = against_wall("linear_stop", {"stiffness": 1.3, "stop_deformation": 0.0}, speed=-1.0)
+    model = evolve(model, joints=(evolve(model.joints[0], points=((0.0,), (1.5,))),))
+    motion = simulator(model).run(np.linspace(0.0, 1.0, 101))
+    along = forces_along(model, laws, motion)
+    assert motion["joint_side"].values.tolist() == [1.0]
+    assert float(motion["force"].max()) > 0.1
+    for quantity in along:
+        np.testing.assert_allclose(along[quantity], motion[quantity], atol=1e-9)
 
 
 def test_a_recorded_motion_needs_no_simulation(joint, against_wall, laws):

@@ -16,9 +16,13 @@ SIGNIFICANT = 5.0
 
 @frozen
 class Comparison:
-    """One body of one run seen by position and by acceleration: y = position - double integral of the acceleration."""
+    """One body of one run seen by position and by acceleration: y = position - double integral of the acceleration.
+
+    `along` says in which axis, where there are several.
+    """
 
     body: str
+    along: str
     film: str
     accelerometer: str
     times: np.ndarray
@@ -27,10 +31,16 @@ class Comparison:
     slope: np.ndarray
     covariance: np.ndarray
 
+    @property
+    def key(self) -> tuple[str, ...]:
+        """What is the same in all runs."""
+        return self.body, self.along, self.film, self.accelerometer
+
 
 def check_instruments(groups: Mapping[str, list[Group]]) -> xr.Dataset:
     """How far the accelerometers of each body agree with its film, as an error of sensitivity, offset or clock.
 
+    Of several axes that is asked along the one in which the body is accelerated most.
     y(t) = x(t) - ∫∫ a dt² is a straight line for perfect instruments. A sensitivity 1 + g adds -g ∫∫a, an offset b adds
     -b t²/2, a clock late by τ adds τ ∫a; each is estimated alone, by generalised least squares with the integrated noise.
 
@@ -42,8 +52,8 @@ def check_instruments(groups: Mapping[str, list[Group]]) -> xr.Dataset:
         `left`, what the error leaves unexplained, normalised by the noise.
     """
     comparisons = [one for instruments in groups.values() for one in _comparisons(instruments)]
-    keys = dict.fromkeys((c.body, c.film, c.accelerometer) for c in comparisons)
-    rows = [row for key in keys for row in _rows([c for c in comparisons if (c.body, c.film, c.accelerometer) == key])]
+    keys = dict.fromkeys(c.key for c in comparisons)
+    rows = [row for key in keys for row in _rows([c for c in comparisons if c.key == key])]
     names = ("sentence", "place", "body", "film", "accelerometer", "error", "estimate", "std", "sigma", "left")
     columns = zip(*rows, strict=True) if rows else ((),) * len(names)
     return xr.Dataset({name: ("check", np.array(column)) for name, column in zip(names, columns, strict=True)})
@@ -62,13 +72,14 @@ def _comparisons(instruments: list[Group]) -> Iterator[Comparison]:
             seen, felt = film.motion(), sensor.motion()
             if seen is None or felt is None:
                 continue
-            for body in sorted(set(seen["body"].values) & set(felt["body"].values)):
-                yield from _compare(film, sensor, str(body), seen, felt)
+            position, acceleration = xr.align(seen["position"], felt["acceleration"], join="inner", exclude="time")
+            for body in sorted(position["body"].values.tolist()) if position.size else ():
+                yield from _compare(film, sensor, position.sel(body=body), acceleration.sel(body=body))
 
 
-def _compare(film: Group, sensor: Group, body: str, seen: xr.Dataset, felt: xr.Dataset) -> Iterator[Comparison]:
-    acceleration = felt["acceleration"].sel(body=body).isel(axis=0).values
-    position = seen["position"].sel(body=body).isel(axis=0).values
+def _compare(film: Group, sensor: Group, seen: xr.DataArray, felt: xr.DataArray) -> Iterator[Comparison]:
+    body, axis = str(seen["body"].item()), _strongest(felt)
+    position, acceleration = seen.sel(axis=axis).values, felt.sel(axis=axis).values
     inside = np.isfinite(position) & (film.times >= sensor.times[0]) & (film.times <= sensor.times[-1])
     if inside.sum() < 8 or not np.isfinite(acceleration).all():
         return
@@ -76,8 +87,14 @@ def _compare(film: Group, sensor: Group, body: str, seen: xr.Dataset, felt: xr.D
     displacement = cumulative_trapezoid(velocity, sensor.times, initial=0.0)
     times = film.times[inside]
     integral, slope = np.interp(times, sensor.times, displacement), np.interp(times, sensor.times, velocity)
-    covariance = _covariance(times - sensor.times[0], _variance(film, body, "marker"), _density(sensor, body))
-    yield Comparison(body, film.name, sensor.name, times, position[inside] - integral, integral, slope, covariance)
+    covariance = _covariance(times - sensor.times[0], _variance(film, body, axis, "marker"), _density(sensor, body, axis))
+    along = f" along {axis}" if seen.sizes["axis"] > 1 else ""
+    yield Comparison(body, along, film.name, sensor.name, times, position[inside] - integral, integral, slope, covariance)
+
+
+def _strongest(felt: xr.DataArray) -> str:
+    """The axis along which a body (time, axis) was accelerated most; where it is not, noise looks like a gain."""
+    return str((felt**2).sum("time").idxmax("axis").item())
 
 
 def _rows(comparisons: list[Comparison]) -> list[tuple[str | float, ...]]:
@@ -89,7 +106,7 @@ def _rows(comparisons: list[Comparison]) -> list[tuple[str | float, ...]]:
         sigma = abs(estimate) / std
         verdict = "inconsistent (as an error of " if sigma > SIGNIFICANT else "consistent ("
         sentence = (
-            f"{first.accelerometer} against {first.film} on {first.body}: {verdict}"
+            f"{first.accelerometer} against {first.film} on {first.body}{first.along}: {verdict}"
             f"{error.replace('_', ' ')} {estimate:+.3g} ± {std:.2g}{unit})"
         )
         rows.append(
@@ -122,13 +139,14 @@ def _covariance(times: np.ndarray, variance: float, density: float) -> np.ndarra
     return variance * np.eye(len(times)) + density * earlier**2 * (3.0 * later - earlier) / 6.0
 
 
-def _variance(group: Group, body: str, channel: str) -> float:
-    carriers = group.dataset[f"{channel}_body"].values
-    stds = [c.noise.std for c in group.channels if carriers[list(group.dataset[channel].values).index(c.sensor)] == body]
+def _variance(group: Group, body: str, axis: str, channel: str) -> float:
+    """Of the mean of a body's readings along an axis."""
+    carriers = dict(zip(group.dataset[channel].values, group.dataset[f"{channel}_body"].values, strict=True))
+    stds = [c.noise.std for c in group.channels if carriers[c.sensor] == body and c.axis == axis]
     return float(np.sum(np.square(stds))) / len(stds) ** 2
 
 
-def _density(sensor: Group, body: str) -> float:
+def _density(sensor: Group, body: str, axis: str) -> float:
     """Spectral density of the mean of a body's accelerometers at low frequencies."""
     correlation = sensor.channels[0].noise.correlation
-    return _variance(sensor, body, "sensor") * correlation * float(np.median(np.diff(sensor.times)))
+    return _variance(sensor, body, axis, "sensor") * correlation * float(np.median(np.diff(sensor.times)))

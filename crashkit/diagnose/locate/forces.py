@@ -1,9 +1,13 @@
 """The missing force: what the recordings say that the model's joints do not."""
 
+from itertools import product
+
 import numpy as np
 import xarray as xr
 
 from crashkit.mechanics.along import forces_along
+from crashkit.mechanics.joint_track import in_space
+from crashkit.mechanics.state_form import given_loads
 from crashkit.misfit import Misfit
 from crashkit.model import Model
 from crashkit.protocols import Laws, Smoother
@@ -11,60 +15,67 @@ from crashkit.protocols import Laws, Smoother
 BIN = 1e-3
 """s; forces are averaged over this long, which is short against a crash and long against the noise."""
 
+ACROSS = 0.05
+"""Part of a direction along an axis below which a force along that axis need not be known."""
+
 
 def recorded_motion(misfit: Misfit, run: str, simulated: xr.Dataset, smoother: Smoother) -> xr.Dataset:
     """A fitted simulation with the accelerations that the instruments of the run saw.
 
     They come from accelerometers, else from film through the smoother. Positions and velocities stay those of the simulation,
     which agrees with all instruments: accelerations drift by centimetres when integrated twice, and a joint that unloads makes
-    hundreds of kilonewtons of these. The variable `observed` (body) says which bodies an instrument saw.
+    hundreds of kilonewtons of these. The variable `observed` (body, axis) says what an instrument saw.
     """
     acceleration = simulated["acceleration"].copy(deep=True)
-    observed = xr.zeros_like(simulated["body"], dtype=bool)
+    observed = xr.zeros_like(acceleration.isel(time=0, drop=True), dtype=bool)
     for group in [g for g in misfit.groups if g.run == run and g.observer.quantity in ("position", "acceleration")]:
         seen = group.motion()
         if seen is None:
             continue
-        for body in seen["body"].values:
-            at = {"body": body, "axis": acceleration["axis"].values[0]}
+        for body, axis in product(seen["body"].values, seen["axis"].values):
+            at = {"body": body, "axis": axis}
             if group.observer.quantity == "acceleration":
-                acceleration.loc[at] = _interpolated(seen["acceleration"].sel(body=body), acceleration["time"].values)
-            elif not observed.sel(body=body):
-                smooth = smoother.smooth(seen["position"].sel(body=body).isel(axis=0, drop=True))
+                acceleration.loc[at] = _interpolated(seen["acceleration"].sel(at), acceleration["time"].values)
+            elif not observed.loc[at]:
+                smooth = smoother.smooth(seen["position"].sel(at, drop=True))
                 acceleration.loc[at] = np.interp(acceleration["time"], smooth["time"], smooth["second_derivative"])
-            observed.loc[{"body": body}] = True
-    return simulated[["position", "velocity"]].assign(acceleration=acceleration, observed=observed)
+            observed.loc[at] = True
+    return simulated.assign(acceleration=acceleration, observed=observed)
 
 
-def missing_force(model: Model, laws: Laws, motion: xr.Dataset) -> xr.Dataset:
-    """What each body's motion asks of forces beyond those of the model's joints: m a - Σ F(d, ddot).
+def missing_force(model: Model, laws: Laws, motion: xr.Dataset) -> xr.DataArray:
+    """What each body's motion asks of forces beyond those of the model: m (a - g) - Σ F(d, ddot) - what is given.
 
     Returns:
-        Dataset with `missing_force` (time, body), N, in the direction of the axis; NaN for bodies that are not observed.
+        (time, body, axis), N; NaN where that is not observed.
     """
-    joints = forces_along(model, laws, motion)
-    mass = np.array([np.nan if b.mass is None else b.mass.value for b in model.bodies])
-    inertia = mass * motion["acceleration"].sel(body=[b.name for b in model.bodies]).isel(axis=0).values
-    missing = inertia - joints["contact_force"].isel(axis=0).values
-    missing = np.where(motion["observed"].sel(body=[b.name for b in model.bodies]).values, missing, np.nan)
-    return xr.Dataset(
-        {"missing_force": (("time", "body"), missing, {"units": "N"})},
-        coords={"time": motion["time"], "body": [b.name for b in model.bodies]},
-    )
+    own = motion.sel(body=[body.name for body in model.bodies])
+    mass = np.array([body.mass.value if body.mass and body.is_free else np.nan for body in model.bodies])
+    fall = in_space(model.axes, model.gravity or (0.0,) * len(model.axes))
+    given = given_loads(model, motion, 1 if len(model.axes) == 1 else 6)[:, :, :3]
+    known = forces_along(model, laws, motion)["contact_force"] + given
+    return ((own["acceleration"] - fall) * mass[:, None] - known).where(own["observed"])
 
 
-def on_joint(missing: xr.Dataset, model: Model, bodies: tuple[str, str]) -> np.ndarray:
-    """The force, compression positive, that a joint between two bodies would have to add; (time,), N.
+def on_joint(missing: xr.DataArray, bodies: tuple[str, str], direction: np.ndarray) -> np.ndarray:
+    """The force, compression positive, that a joint would have to add; (time,), N.
 
     Each moving and observed end gives an estimate; their mean is taken.
+
+    Arguments:
+        bodies: that it pushes.
+        direction: (time, axis), in which it pushes the second.
     """
-    first, second = (model.body(name) for name in bodies)
-    direction = 1.0 if second.position[0] >= first.position[0] else -1.0
-    ends = [-direction * missing["missing_force"].sel(body=first.name).values] if not first.fixed else []
-    ends += [direction * missing["missing_force"].sel(body=second.name).values] if not second.fixed else []
-    stack = np.array(ends)
+    ends = [(name, sign * direction) for name, sign in zip(bodies, (-1.0, 1.0), strict=True) if name in missing["body"]]
+    stack = np.array([_along(missing.sel(body=name).values, push) for name, push in ends])
     seen = np.isfinite(stack)
     return np.where(seen.any(axis=0), np.where(seen, stack, 0.0).sum(axis=0) / np.maximum(seen.sum(axis=0), 1), np.nan)
+
+
+def _along(force: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    """A force (time, axis) along a direction; what is not known of it does not count where that is across."""
+    across = np.isnan(force) & (np.abs(direction) < ACROSS)
+    return np.where(across, 0.0, force * direction).sum(axis=1)
 
 
 def binned(times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -82,5 +93,5 @@ def binned(times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
 
 def _interpolated(acceleration: xr.DataArray, times: np.ndarray) -> np.ndarray:
-    known = acceleration.isel(axis=0).dropna("time")
+    known = acceleration.dropna("time")
     return np.interp(times, known["time"].values, known.values)

@@ -4,12 +4,12 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
-from attrs import evolve
 from scipy.optimize import least_squares
 
-from crashkit.mechanics.along import Laws, Path, force_along, on_bodies, path_along
+from crashkit.mechanics.joint_law import JointLaw
+from crashkit.mechanics.joint_track import Track, load_on, track_of
 from crashkit.misfit import Misfit
-from crashkit.model import Model
+from crashkit.protocols import Laws
 
 INSTANTS = 60
 """Of each run."""
@@ -30,9 +30,8 @@ def most_alike(present: Misfit, other: Misfit, names: Sequence[str], laws: Laws)
         frozenset(joint.bodies) for joint in other.model.joints if any(n.startswith(f"joint.{joint.name}.") for n in names)
     }
     motions = [_thinned(present.predictor.motion(run, present.values(present.start()))) for run in present.recordings]
-    stills = [np.zeros(motion["position"].shape) for motion in motions]
-    acting = _between(present.model, pairs)
-    wanted = _forces(acting, laws, _paths(present.model, pairs, motions), stills)
+    stills = [np.zeros((*motion["position"].shape[:2], 1 if motion.sizes["axis"] == 1 else 6)) for motion in motions]
+    wanted = _forces(present, _tracks(present, pairs, laws, motions), stills, {})
     start, (lower, upper) = other.start(), other.bounds()
     moving = [other.names.index(name) for name in names]
     if not np.any(wanted):
@@ -43,44 +42,36 @@ def most_alike(present: Misfit, other: Misfit, names: Sequence[str], laws: Laws)
         scaled[moving] = point
         return other.values(scaled)
 
-    paths = _paths(other.model, pairs, motions)
+    tracks = _tracks(other, pairs, laws, motions)
 
     def difference(point: np.ndarray) -> np.ndarray:
-        model = _between(other.model.at(values(point)), pairs)
-        return (_forces(model, laws, paths, stills) - wanted) / np.linalg.norm(wanted)
+        return (_forces(other, tracks, stills, values(point)) - wanted) / np.linalg.norm(wanted)
 
     bounds = lower[moving], upper[moving]
     found = least_squares(difference, np.clip(start[moving], *bounds), bounds=bounds, x_scale="jac", max_nfev=EVALUATIONS)
     return values(found.x)
 
 
-def _between(model: Model, pairs: Collection[frozenset[str]]) -> Model:
-    """The model with only the joints between these bodies, of which alone the forces can differ."""
-    return evolve(model, joints=tuple(joint for joint in model.joints if frozenset(joint.bodies) in pairs))
-
-
 def _thinned(motion: xr.Dataset) -> xr.Dataset:
     return motion.isel(time=np.unique(np.linspace(0, motion.sizes["time"] - 1, INSTANTS).astype(int)))
 
 
-def _paths(model: Model, pairs: Collection[frozenset[str]], motions: Sequence[xr.Dataset]) -> list[list[Path]]:
-    """How each motion deforms each joint between these bodies."""
-    return [[path_along(model, joint, motion) for joint in _between(model, pairs).joints] for motion in motions]
+def _tracks(misfit: Misfit, pairs: Collection[frozenset[str]], laws: Laws, motions: Sequence[xr.Dataset]) -> list[list[Track]]:
+    """The joints between these bodies, of which alone the forces can differ, along each motion."""
+    joints = [joint for joint in misfit.model.joints if frozenset(joint.bodies) in pairs]
+    own = [JointLaw(joint, laws, misfit.simulator.engine) for joint in joints]
+    return [[track_of(misfit.model, law, motion) for law in own] for motion in motions]
 
 
-def _forces(model: Model, laws: Laws, paths: Sequence[Sequence[Path]], stills: Sequence[np.ndarray]) -> np.ndarray:
+def _forces(
+    misfit: Misfit, tracks: Sequence[Sequence[Track]], stills: Sequence[np.ndarray], values: Mapping[str, float]
+) -> np.ndarray:
     """On all bodies, along all motions, N.
 
     Arguments:
-        stills: of each motion (time, body, axis) zeros.
+        stills: of each motion (time, body, axis) zeros, with those of moments.
+        values: by path, instead of the model's.
     """
-    nets = [on_bodies(model, still, _pushes(model, laws, one)) for one, still in zip(paths, stills, strict=True)]
-    return np.concatenate([net.ravel() for net in nets])
-
-
-def _pushes(model: Model, laws: Laws, paths: Sequence[Path]) -> list[tuple[np.ndarray, np.ndarray]]:
-    """What each joint does to its bodies."""
-    forces = [
-        force_along(joint, laws, path)[:, None] * path.direction for joint, path in zip(model.joints, paths, strict=True)
-    ]
-    return [(force, force) for force in forces]
+    known = {path: parameter.value for path, parameter in misfit.model.parameters().items()} | dict(values)
+    loads = [load_on(still, own, [track.force(known) for track in own]) for still, own in zip(stills, tracks, strict=True)]
+    return np.concatenate([load[:, :, :3].ravel() for load in loads])

@@ -74,14 +74,13 @@ def _without_supports(motion: xr.Dataset) -> xr.Dataset:
     """The motion with the net force of only those joints on each body that do not support one; on a line."""
     if "joint_support" not in motion.variables or not motion.variables["joint_support"].values.any():
         return motion
-    bodies, places = motion.variables["body"].values.tolist(), motion.variables["position"].values[0, :, 0]
+    bodies, sides = motion.variables["body"].values.tolist(), motion.variables["joint_side"].values
     names = [name for name in ("contact_force", "contact_force_sensitivity") if name in motion.variables]
     felt = {name: motion.variables[name].copy() for name in names}
     for joint in np.flatnonzero(motion.variables["joint_support"].values):
         first, second = (bodies.index(name) for name in motion.variables["joint_bodies"].values[joint].tolist())
-        push = 1.0 if places[second] >= places[first] else -1.0
         for name, variable in felt.items():
-            force = push * motion.variables[name.replace("contact_force", "force")].values[:, joint]
+            force = sides[joint] * motion.variables[name.replace("contact_force", "force")].values[:, joint]
             variable.values[:, first, 0] += force
             variable.values[:, second, 0] -= force
     return motion.assign(felt)

@@ -202,9 +202,10 @@ def test_an_error_that_is_not_declared_there_is_refused(motion: xr.Dataset, erro
         Accelerometer().predict(motion, accelerometer_at(np.array([0.0, 0.01])), errors)
 
 
-def test_a_load_cell_does_not_feel_what_holds_its_body_from_behind() -> None:
-    """The car pushes the wall with 100 N; the ground behind takes 40 N of that, the rest moves the wall."""
-    places, joints = {"ground": 100.0, "wall": 0.0, "car": -1.0}, [["wall", "car"], ["ground", "wall"]]
+@pytest.mark.parametrize("ground", [100.0, -100.0])
+def test_a_load_cell_does_not_feel_what_holds_its_body_from_behind(ground: float) -> None:
+    """The car pushes the wall with 100 N; the ground takes 40 N of that, wherever its centre is; the rest moves the wall."""
+    places, joints = {"ground": ground, "wall": 0.0, "car": -1.0}, [["wall", "car"], ["ground", "wall"]]
     net = np.array([40.0, 60.0, -100.0])
     motion = xr.Dataset(
         {
@@ -212,6 +213,7 @@ def test_a_load_cell_does_not_feel_what_holds_its_body_from_behind() -> None:
             "contact_force": (("time", "body", "axis"), np.tile(net[:, None], (2, 1, 1))),
             "force": (("time", "joint"), np.tile([100.0, 40.0], (2, 1))),
             "joint_bodies": (("joint", "end"), joints),
+            "joint_side": ("joint", [-1.0, -1.0]),
             "joint_support": ("joint", [False, True]),
         },
         {"time": [0.0, 0.01], "body": list(places), "axis": ["x"]},

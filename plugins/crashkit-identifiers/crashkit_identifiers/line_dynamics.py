@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 from attrs import define
 
+from crashkit.mechanics.given import side_of
 from crashkit.mechanics.joint_law import JointLaw
 from crashkit.misfit import Misfit
 from crashkit_identifiers.recorded import engine_of, laws_of
@@ -56,8 +57,8 @@ class LineDynamics:
         for joint in model.joints:
             law, points = JointLaw(joint, laws, engine_of(misfit)).without_memory(), joint.points or ((0.0,), (0.0,))
             apart = start[joint.bodies[1]] + points[1][0] - start[joint.bodies[0]] - points[0][0]
-            side = 1.0 if apart >= 0.0 else -1.0
-            length = abs(apart) if joint.free_length is None else joint.free_length.value
+            side = side_of(model, joint)
+            length = side * apart if joint.free_length is None else joint.free_length.value
             # A deformation is this less the distance of the two centres of mass, along the side.
             rest = length - side * (points[1][0] - points[0][0])
             rest -= side * (self._still.get(joint.bodies[1], 0.0) - self._still.get(joint.bodies[0], 0.0))

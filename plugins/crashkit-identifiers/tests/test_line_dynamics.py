@@ -26,7 +26,16 @@ def linked():
     return evolve(model, joints=(model.joint("first"), driven, model.joint("wedge")))
 
 
-def test_accelerations_are_the_engines_and_their_derivatives_are_right(linked):
+@pytest.fixture(scope="module")
+def reaching(linked):
+    """Its second joint holds the front where that reaches behind the rear."""
+    second = evolve(linked.joint("second"), points=((-3.0,), (0.0,)))
+    return evolve(linked, joints=(linked.joint("first"), second, linked.joint("wedge")))
+
+
+@pytest.mark.parametrize("name", ["linked", "reaching"])
+def test_accelerations_are_the_engines_and_their_derivatives_are_right(name, request):
+    linked = request.getfixturevalue(name)
     shop = workshop().rehearsed(toys.two_degrees(), []).equipped([linked])
     simulator = Simulator(linked, shop.laws, shop.engine)
     motion = simulator.run(np.arange(301) * 1e-3, initial=toys.initial_state(linked, 1.0))

@@ -2,8 +2,12 @@
 
 import numpy as np
 import pytest
+import xarray as xr
+from attrs import evolve
 
 from crashkit.diagnose.locate.consistency import SIGNIFICANT, check_instruments
+from crashkit.misfit.channel import groups_of
+from crashkit.model import Model
 
 
 @pytest.fixture
@@ -70,3 +74,23 @@ def test_one_accelerometer_does_not_tell_how_a_body_turns_and_is_compared_with_n
     film, accelerometer = sorted(watched_in_the_plane, key=lambda group: group.observer.quantity, reverse=True)
     assert film.motion() is not None and accelerometer.motion() is None
     assert check_instruments({"run": watched_in_the_plane}).sizes["check"] == 0
+
+
+def test_in_the_plane_they_are_compared_where_the_body_is_accelerated_most(workshop, misfit, model, recorded):
+    """The first axis of the instruments is one in which nothing happens."""
+    run = recorded(model)
+    plane = {name: across(run[name].to_dataset(inherit=False)) for name in ("film", "accelerometer")}
+    bodies = tuple(evolve(body, position=(0.0, *body.position), velocity=(0.0, *body.velocity)) for body in model.bodies)
+    groups = groups_of("run", xr.DataTree.from_dict(plane), workshop.observers, Model("plane", ("x", "y"), bodies, ()))
+    table, expected = (check_instruments({"run": list(some)}) for some in (groups, misfit(model, run=run).groups))
+    assert table["estimate"].values == pytest.approx(expected["estimate"].values)
+    assert table["std"].values == pytest.approx(expected["std"].values)
+    assert str(table["sentence"].values[0]).startswith("accelerometer against film on front along y: ")
+
+
+def across(instrument):
+    """What is recorded along x as if it were along y, and nothing along x."""
+    along = instrument.assign_coords(axis=["y"])
+    quantity = "position" if "position" in along else "acceleration"
+    still = instrument.assign({quantity: 0.0 * instrument[quantity]})
+    return xr.concat([still, along], dim="axis", data_vars="minimal", combine_attrs="override")
