@@ -7,6 +7,7 @@ from attrs import evolve
 
 from crashkit.api import workshop as installed
 from crashkit.diagnose import Workshop
+from crashkit.diagnose.claims import propose_all
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name.inquiry import Inquiry
@@ -79,6 +80,19 @@ def inquiry(workshop):
         return Inquiry(few, given or (base and base.misfit), base, lambda doing, share: None)
 
     return into
+
+
+@pytest.fixture
+def claim(workshop):
+    """A claim at the first place where it can be made, at these values, the rest as in a misfit."""
+
+    def make(known, physics, form, **values) -> Rival:
+        proposal = next(p for p in propose_all(workshop, known) if (p.physics, p.form) == (physics, form))
+        told = {path: value for path in proposal.parameters for name, value in values.items() if path.endswith(name)}
+        other = workshop.equipped([proposal.model]).misfit(known, proposal.model).with_values_of(known).with_values(told)
+        return Rival(proposal, begin(workshop.identifier, other), 100.0, 50.0)
+
+    return make
 
 
 @pytest.fixture

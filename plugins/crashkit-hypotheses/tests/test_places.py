@@ -184,6 +184,16 @@ def test_what_the_model_has_already_is_not_proposed(propose, model, physics):
     assert places(propose(physics, has)) == {(("joint", "second"),)}
 
 
+@pytest.mark.parametrize(("loss", "forms"), [(0.0, {"fading"}), (0.5, set())])
+def test_a_joint_that_knows_no_slope_of_unloading_may_lose_force_on_the_way_back(propose, model, loss, forms):
+    """Unless it does."""
+    rubber = {"stiffness": Parameter(1e5), "hardening": FIXED, "loss": Parameter(loss, fixed=True)}
+    has = evolve(model, joints=(evolve(model.joints[0], law="hardening", parameters=rubber), model.joints[1]))
+    motion = [Simulator(has, load().spring_laws).run(np.linspace(0.0, 1.0, 501), initial=toys.initial_state(has, 1.0))]
+    proposed = propose("plastic_unloading", has, motion)
+    assert {one.form for one in proposed if one.location == {"joint": "first"}} == forms
+
+
 def test_a_joint_with_a_rate_factor_takes_no_other(propose, model):
     has = evolve(model, joints=(evolve(model.joints[0], factors=("rate_linear",)), model.joints[1]))
     assert places(propose("rate_dependence", has)) == {(("joint", "second"),)}

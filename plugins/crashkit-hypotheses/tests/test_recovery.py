@@ -699,6 +699,20 @@ def test_a_member_that_stays_crushed_is_told_from_one_that_springs_back(found, m
         assert abs(values[name] - value) < 4.0 * stds[name] + 0.01 * abs(value), name
 
 
+def test_rubber_that_gives_back_less_is_told_from_rubber_that_gives_back_all(found, model):
+    """A law without a slope of unloading."""
+    curve = fixed(stop_deformation=0.0, exponent=1.5, way=0.1) | {"force": Parameter(5e4, 1e3, 1e6)}
+    first = evolve(model.joints[0], law="power_stop", parameters=curve)
+    rubber = evolve(model, joints=(first, *model.joints[1:]))
+    less = {"loss": Parameter(0.45), "unloading_length": Parameter(0.01)}
+    proposal, values, stds, normalised = found(
+        "plastic_unloading", with_factor(rubber, "first", "unloading_loss", less), rubber, LONGER
+    )
+    assert (proposal.form, proposal.location) == ("fading", {"joint": "first"})
+    assert normalised == pytest.approx(1.0, abs=0.03)
+    assert abs(values["loss"] - 0.45) < 4.0 * stds["loss"]
+
+
 def test_a_sudden_loss_is_found_as_a_short_one(found, model):
     """Shorter than half a sample it cannot be searched for, and so a little of the jump is left."""
     proposal, values, _, normalised = found("fracture", broken(model))

@@ -2,8 +2,6 @@
 
 import pytest
 
-from crashkit.diagnose.claims import propose_all
-from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.rebuild import alone_again, rebuild
 from crashkit.diagnose.fitting.search import begin
 from crashkit.testing import toys
@@ -33,18 +31,10 @@ def test_what_no_claim_improves_stays(stuck):
     assert alone_again(best, []) is best
 
 
-def claim(workshop, misfit, physics, form, **values):
-    """A claim about the first joint at these values, the rest as in a misfit."""
-    proposal = next(p for p in propose_all(workshop, misfit) if (p.physics, p.form) == (physics, form))
-    told = {path: value for path in proposal.parameters for name, value in values.items() if path.endswith(name)}
-    other = workshop.equipped([proposal.model]).misfit(misfit, proposal.model).with_values_of(misfit).with_values(told)
-    return Rival(proposal, begin(workshop.identifier, other), 100.0, 50.0)
-
-
-def test_two_findings_in_one_joint_keep_their_numbers_whichever_stands_in_its_law(workshop, misfit, recorded, model):
+def test_two_findings_in_one_joint_keep_their_numbers_whichever_stands_in_its_law(workshop, misfit, recorded, model, claim):
     base = begin(workshop.identifier, misfit(model, run=recorded(model)))
-    peak = claim(workshop, base.misfit, "peak_load", "bump", peak_force=4e4, peak_deformation=0.05)
-    folds = claim(workshop, peak.search.misfit, "progressive_folding", "sine", amplitude=8e3, fold_length=0.1, onset=0.1)
+    peak = claim(base.misfit, "peak_load", "bump", peak_force=4e4, peak_deformation=0.05)
+    folds = claim(peak.search.misfit, "progressive_folding", "sine", amplitude=8e3, fold_length=0.1, onset=0.1)
     true = folds.search.misfit
     told = begin(workshop.identifier, misfit(true.model, run=recorded(true.model)))
     turned = rebuild(workshop, begin(workshop.identifier, told.misfit.with_model(model, workshop.laws)), [folds, peak], told)
