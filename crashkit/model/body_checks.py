@@ -28,7 +28,7 @@ EXPECTED_ORIENTATION = {2: "an angle in rad", 3: "a quaternion (w, x, y, z)"}
 EXPECTED_ANGULAR_VELOCITY = {2: "one number in rad s-1", 3: "three numbers in rad s-1"}
 EXPECTED_INERTIA = {
     2: "a moment of inertia in kg m2",
-    3: "three moments of inertia in kg m2 (principal), or six (Ixx, Iyy, Izz, Ixy, Ixz, Iyz)",
+    3: "three moments of inertia in kg m2 (principal), six (Ixx, Iyy, Izz, Ixy, Ixz, Iyz), or a number about every axis",
 }
 
 

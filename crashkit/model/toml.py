@@ -96,7 +96,7 @@ def _body(table: dict[str, Any], axes: int, index: int, faults: list[Fault]) -> 
         mass=_positive(body["mass"], f"{where}/mass", faults) if "mass" in body else None,
         fixed=body.get("fixed", False),
         carrier=body.get("carrier", ""),
-        inertia=_inertia(body["inertia"], f"{where}/inertia", faults) if "inertia" in body else (),
+        inertia=_inertia(body["inertia"], axes, f"{where}/inertia", faults) if "inertia" in body else (),
         orientation=_unit_quaternion(_floats(body.get("orientation", []))),
         angular_velocity=_floats(body.get("angular_velocity", [])),
         motion=motion,
@@ -131,9 +131,11 @@ def _positive(raw: object, where: str, faults: list[Fault]) -> Parameter:
     return parameter if parameter.fixed else evolve(parameter, lower=max(parameter.lower, 0.0))
 
 
-def _inertia(raw: object, where: str, faults: list[Fault]) -> tuple[Parameter, ...]:
+def _inertia(raw: object, axes: int, where: str, faults: list[Fault]) -> tuple[Parameter, ...]:
+    """The moments and products of inertia; in space one plain number holds about every axis."""
     if not isinstance(raw, list):
-        return (_positive(raw, where, faults),)
+        alike = 3 if axes == 3 and not isinstance(raw, dict) else 1
+        return (_positive(raw, where, faults),) * alike
     moments = [_positive(entry, f"{where}[{index}]", faults) for index, entry in enumerate(raw[:3])]
     products = [read_parameter(entry, UNDECLARED, f"{where}[{index}]", faults) for index, entry in enumerate(raw[3:], 3)]
     return (*moments, *products)

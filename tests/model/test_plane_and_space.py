@@ -110,6 +110,7 @@ class TestReading:
         free = "{ value = 1500.0, upper = 2000.0 }"
         assert read(in_plane("1500.0", free)).body("car").inertia == (Parameter(1500.0, 0.0, 2000.0),)
         six = f"[400.0, 1400.0, {free}, {{ value = 10.0, lower = -20.0 }}, 0.0, -5.0]"
+        assert [entry.value for entry in read(in_space("[400.0, 1400.0, 1500.0]", "900.0")).body("car").inertia] == [900.0] * 3
         inertia = read(in_space("[400.0, 1400.0, 1500.0]", six)).body("car").inertia
         assert inertia[2:4] == (Parameter(1500.0, 0.0, 2000.0), Parameter(10.0, -20.0))
         assert inertia[5] == Parameter(-5.0, fixed=True)
@@ -343,14 +344,14 @@ class TestFaultsInSpace:
             (
                 "inertia = [400.0, 1400.0, 1500.0]\n",
                 "",
-                'body "car"/inertia: expected three moments of inertia in kg m2 (principal), or six (Ixx, Iyy, Izz, Ixy, Ixz, '
-                "Iyz), found none",
+                'body "car"/inertia: expected three moments of inertia in kg m2 (principal), six (Ixx, Iyy, Izz, Ixy, Ixz, '
+                "Iyz), or a number about every axis, found none",
             ),
             (
                 "inertia = [400.0, 1400.0, 1500.0]",
-                "inertia = 1500.0",
-                'body "car"/inertia: expected three moments of inertia in kg m2 (principal), or six (Ixx, Iyy, Izz, Ixy, Ixz, '
-                "Iyz), found 1 number",
+                "inertia = {value = 1500.0, fixed = false}",
+                'body "car"/inertia: expected three moments of inertia in kg m2 (principal), six (Ixx, Iyy, Izz, Ixy, Ixz, '
+                "Iyz), or a number about every axis, found 1 number",
             ),
             (
                 "[400.0, 1400.0, 1500.0]",
