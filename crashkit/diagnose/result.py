@@ -110,14 +110,16 @@ class Diagnosis:
         curves: one group per "run/instrument" with `recorded`, `before`, `after` and `std` over (time, channel), the
             attributes `holdout` (0/1), `quantity` and `units`.
         missing_force: one group per finding ("0", "1", ...) and run below it, over `time`: `missing_force` (N, from the
-            recorded accelerations by inverse dynamics along the fitted motion), `missing_force_std`, `modelled_force` (what
-            the finding adds), `deformation`, `deformation_rate`; attributes `place`, `holdout`. Empty for sensors.
+            recorded accelerations by inverse dynamics along the fitted motion, in the direction of the joint),
+            `missing_force_std`, `modelled_force` (what the finding adds), `deformation`, `deformation_rate`; attributes
+            `place`, `holdout`. Empty for sensors.
         ranking: Dataset over `hypothesis` with `physics`, `form`, `place`, `round` (1 for the first finding, ...),
             `parameters` (how many), `misfit_drop` (in chi squared), `left_out_drop` (on runs left out; NaN if not tried),
             `probability`.
         consistency: Dataset over `check` with `sentence`, `sigma` and `place`: instruments compared by kinematics alone.
         identified: Dataset over `parameter` of the augmented model: `value`, `std`, `units`, `identifiable`, `before`.
         notes: what cannot be trusted, and why.
+        time_up: s, the limit after which no further question was asked; None: all were.
         detectable: Dataset over `effect` with `physics`, `form`, `place`, `parameter`, `smallest` and `units`: how large what
             was not found would have had to be to be found.
     """
@@ -135,6 +137,7 @@ class Diagnosis:
     identified: xr.Dataset
     notes: tuple[str, ...] = field(default=())
     detectable: xr.Dataset = field(factory=xr.Dataset)
+    time_up: float | None = field(default=None)
 
     def __repr__(self) -> str:
         return f"diagnosis: {self.verdict}\n{self.summary}"

@@ -38,7 +38,7 @@ def render(diagnosis: Diagnosis) -> str:
     channels = list(channels_of(diagnosis))
     return template("page.html").render(
         diagnosis=diagnosis,
-        verdict=words.verdict_of(diagnosis.verdict),
+        verdict=words.verdict_of(diagnosis.verdict, diagnosis.time_up is not None),
         with_after=bool(diagnosis.findings),
         set_names=SET_NAMES,
         forces=list(_forces(diagnosis)),

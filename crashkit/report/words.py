@@ -22,13 +22,16 @@ VERDICTS = {
     "sensor_fault": Verdict("sensor", "An instrument is at fault, not the model"),
     "unexplained": Verdict("unknown", "Something real is missing, and no known physics explains it"),
 }
+UNASKED = Verdict("unknown", "Something real is missing, and was not found in the time that was given")
 
 LIKELIHOODS = ((0.99, "practically certain"), (0.9, "very likely"), (0.66, "likely"), (0.33, "about as likely as not"))
 GRADES = ((0.94, "excellent"), (0.8, "good"), (0.58, "fair"))
 
 
-def verdict_of(name: str) -> Verdict:
-    """The words for a verdict; one that is not known speaks for itself."""
+def verdict_of(name: str, is_cut_short: bool) -> Verdict:
+    """The words for a verdict, of which not everything was asked or all; one that is not known speaks for itself."""
+    if is_cut_short and name == "unexplained":
+        return UNASKED
     return VERDICTS.get(name, Verdict("unknown", label(name)))
 
 

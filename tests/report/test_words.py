@@ -93,4 +93,6 @@ def test_grades_are_those_of_the_standard(rating: float, word: str) -> None:
 
 
 def test_a_verdict_that_is_not_known_speaks_for_itself() -> None:
-    assert words.verdict_of("not_yet_known").headline == "Not yet known"
+    assert words.verdict_of("not_yet_known", False).headline == "Not yet known"
+    assert "no known physics" in words.verdict_of("unexplained", False).headline
+    assert "in the time" in words.verdict_of("unexplained", True).headline

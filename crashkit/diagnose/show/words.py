@@ -125,7 +125,8 @@ def cut_short(diagnosis: Diagnosis, seconds: float) -> Diagnosis:
     """The diagnosis that could not ask everything, and says so."""
     sentence = f"the time for questions was up after {seconds:.0f} s: other causes or forms, or more of them, may fit better"
     summary = diagnosis.summary.replace(VERDICTS["unexplained"], UNASKED)
-    return evolve(diagnosis, summary=f"{summary}\n{sentence}", notes=(sentence, *diagnosis.notes))
+    notes = (sentence, *diagnosis.notes)
+    return evolve(diagnosis, summary=f"{summary}\n{sentence}", notes=notes, time_up=seconds)
 
 
 def nothing_predicted(diagnosis: Diagnosis, runs: Sequence[str]) -> Diagnosis:

@@ -102,6 +102,7 @@ def test_what_was_not_found_in_time_is_not_called_unknown():
     told = cut_short(Diagnosis(**{**nothing, "summary": VERDICTS["unexplained"], "notes": ()}), 5.0)
     assert told.summary.startswith("Simulation and recordings differ; what explains it was not found in the time")
     assert told.notes[0].startswith("the time for questions was up after 5 s")
+    assert told.time_up == 5.0
 
 
 def test_without_held_out_runs_nothing_is_said_of_prediction():
