@@ -51,7 +51,7 @@ class RepeatedRun:
         self._instants = with_knots(times, self._layout)
         self._rows = np.searchsorted(self._instants, times)
         self._arrays: dict[bool, tuple[Work, Work]] = {}
-        self._told: dict[tuple[str, ...], xr.Dataset] = {}
+        self._blank: dict[tuple[str, ...], xr.Dataset] = {}
 
     def record(self, values: Floats, sensitivities: bool = False) -> Record:
         """The run at these values of `paths`; its arrays are overwritten by the next run in this thread, of whichever model.
@@ -74,10 +74,10 @@ class RepeatedRun:
         """What a record tells, as `Simulator.run` returns it."""
         paths = self.paths if record.tangents.shape[0] else ()
         own, axes, names = Record(*(array.copy() for array in record)), self._layout.axes, self._simulator.names
-        if paths not in self._told:
-            self._told[paths] = motion_of(own, self.times, axes, names, paths)
+        if paths not in self._blank:
+            self._blank[paths] = _blank(motion_of(own, self.times, axes, names, paths))
         # To put a Dataset together costs more than a short run.
-        return self._told[paths].copy(data=arrays_of(own, axes, names))
+        return self._blank[paths].copy(data=arrays_of(own, axes, names))
 
     def entry(self, quantity: str, body: str, axis: str) -> int | None:
         """Where a record holds a quantity of `BY_BODY`; None where it does not.
@@ -120,6 +120,11 @@ class RepeatedRun:
         for name in ("rest", "places"):
             work.joints[name] = joints[name]
         work.state[START, : self._layout.start.size] = self._layout.start.ravel()
+
+
+def _blank(motion: xr.Dataset) -> xr.Dataset:
+    """A motion to be filled in, whose own numbers take no memory."""
+    return motion.copy(data={str(name): np.broadcast_to(0.0, values.shape) for name, values in motion.data_vars.items()})
 
 
 def _room(work: Work, axes: int, times: int) -> Record:
