@@ -5,6 +5,8 @@ import numpy as np
 from crashkit.errors import SimulationError
 from crashkit.protocols import Problem
 
+REFUSED = {"over": "ignore", "divide": "ignore", "invalid": "ignore"}
+"""What numpy need not warn of: a trial far from the data may overflow, one at a bound divide by 0, and its cost refuses it."""
 NOTHING = 0.01
 """Half a χ² that counts as nothing left to gain: a tenth of a standard deviation."""
 
@@ -17,8 +19,7 @@ def cost_at(problem: Problem, point: np.ndarray) -> float:
 def residual_at(problem: Problem, point: np.ndarray) -> np.ndarray:
     """The residuals; infinite where the model cannot be simulated."""
     try:
-        # A trial far from the data may overflow: it is refused by its cost, which is no reason to warn.
-        with np.errstate(over="ignore", invalid="ignore"):
+        with np.errstate(**REFUSED):
             return problem.residual(point)
     except SimulationError:
         return np.array([np.inf])
@@ -26,7 +27,7 @@ def residual_at(problem: Problem, point: np.ndarray) -> np.ndarray:
 
 def half_square(residual: np.ndarray) -> float:
     """The cost of residuals; infinite where one of them is not finite."""
-    with np.errstate(over="ignore", invalid="ignore"):
+    with np.errstate(**REFUSED):
         cost = 0.5 * float(residual @ residual)
     return cost if np.isfinite(cost) else np.inf
 
@@ -34,7 +35,7 @@ def half_square(residual: np.ndarray) -> float:
 def cost_and_gradient(problem: Problem, point: np.ndarray) -> tuple[float, np.ndarray]:
     """The cost and its derivatives to the search variables: dJ/du = Jᵀr, from forward sensitivities."""
     try:
-        with np.errstate(over="ignore", invalid="ignore"):
+        with np.errstate(**REFUSED):
             residual, jacobian = problem.residual_and_jacobian(point)
             cost, gradient = 0.5 * float(residual @ residual), jacobian.T @ residual
     except SimulationError:

@@ -88,6 +88,12 @@ class Parabola:
         """Half the width of every linear interval about the least misfit, so that the point lies inside."""
         return np.sqrt(np.diag(self.spread) * (CONFIDENCE**2 + 2.0 * self.drop / self.excess))
 
+    @cached_property
+    def alone(self) -> np.ndarray:
+        """Half the width of every interval if the other variables were known; infinite where nothing is felt."""
+        with np.errstate(divide="ignore"):
+            return CONFIDENCE * np.sqrt(self.excess / np.diag(self.curvature))
+
     def expected(self, index: int, value: float) -> float:
         """How far the cost should rise where one variable has that value, the others being at their best."""
         away = value - self.point[index] - self.left[index]

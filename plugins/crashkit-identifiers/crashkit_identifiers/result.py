@@ -148,7 +148,7 @@ def _unseen(names: list[str], curvature: np.ndarray, size: np.ndarray, held: np.
 def _one_sided(table: xr.Dataset) -> dict[str, str]:
     """Sentences on the parameters of which the data set only one end, by name."""
     sentences = {}
-    for name in table["parameter"].values[~table["identifiable"].values].tolist():
+    for name in table["parameter"].values[~(table["identifiable"] | table["at_bound"]).values].tolist():
         row = table.sel(parameter=name)
         low, high = (float(row["interval_lower"]), float(row["lower"])), (float(row["interval_upper"]), float(row["upper"]))
         if low[0] > low[1] and high[0] >= high[1]:
