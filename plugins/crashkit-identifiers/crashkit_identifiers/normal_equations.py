@@ -3,8 +3,8 @@
 import numpy as np
 
 from crashkit.errors import SimulationError
-from crashkit_identifiers.cost import REFUSED
 from crashkit.protocols import Problem
+from crashkit_identifiers.cost import REFUSED
 
 
 def normal_equations(problem: Problem, point: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:

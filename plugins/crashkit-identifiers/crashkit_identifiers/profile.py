@@ -16,7 +16,7 @@ TRUSTED = 0.3
 """How far the rise of the misfit at the end of a linear interval may be from what is expected, as a share of it."""
 CLOSE = (0.9, 1.2)
 """Share of the rise that is as good as the rise: an end is then known to 5 % of the half width inside, and 10 % outside."""
-TRIALS = 10
+TRIALS = 12
 STRIDE = (0.2, 2.0)
 """How much further the next trial may be, as a share of the last."""
 STEEP, NEARLY = 0.1, 0.9
@@ -24,7 +24,7 @@ STEEP, NEARLY = 0.1, 0.9
 LOOSE = 25.0
 """Excess of χ² beyond which a profile says no more than the curvature."""
 NARROW = 0.05
-"""Of the way to an end: where the misfit leaps between two trials as close as that, it is a cliff and not a valley that was left."""
+"""Of the way behind and ahead: where the misfit leaps between two trials that close, there is a cliff."""
 OPEN = 1e3
 """Times a value: an interval that reaches as far has no end."""
 ENOUGH = 0.05
@@ -101,20 +101,21 @@ class Profile:
                 inside.append(refit)
                 # What was given up from further away proves nothing from here.
                 outside = outside if outside and outside.is_settled else None
-            trial = self._next(index, inside, outside, limit)
-        return float(outside.point[index]) if outside and self._is_cliff(index, inside[-1], outside) else bound
+            trial = self._next(index, inside, outside, limit, refit is not outside)
+        return float(outside.point[index]) if outside and self._is_cliff(index, inside[-1], outside, bound) else bound
 
-    def _next(self, index: int, inside: Sequence["_Refit"], outside: "_Refit | None", limit: float) -> float:
+    def _next(self, index: int, trials: Sequence["_Refit"], outside: "_Refit | None", limit: float, fell_short: bool) -> float:
         """The next trial: between the last inside and one outside, or beyond."""
-        risen = [(float(one.point[index]), one.rise) for one in inside]
+        inside = [(float(one.point[index]), one.rise) for one in trials]
         if outside is None:
-            return _beyond(risen, self.found.rise, limit)
-        return _between(risen[-1], (float(outside.point[index]), outside.rise), self.found.rise)
+            return _beyond(inside, self.found.rise, limit)
+        return _between(inside[-1], (float(outside.point[index]), outside.rise), self.found.rise, fell_short)
 
-    def _is_cliff(self, index: int, inside: "_Refit", outside: "_Refit") -> bool:
+    def _is_cliff(self, index: int, inside: "_Refit", outside: "_Refit", bound: float) -> bool:
         """Whether the misfit is too high even from a trial inside that is so close that the others cannot have gone astray."""
         value = float(outside.point[index])
-        is_close = abs(value - inside.point[index]) < NARROW * abs(value - self.found.point[index])
+        way = min(abs(value - self.found.point[index]), abs(bound - value))
+        is_close = abs(value - inside.point[index]) < NARROW * way
         return is_close and self._refitted(index, value, inside).rise >= self.found.rise
 
     def _agrees(self, index: int, end: float) -> bool:
@@ -212,11 +213,15 @@ def _slopes(found: Parabola, size: np.ndarray) -> np.ndarray:
     return slopes
 
 
-def _between(inside: tuple[float, float], outside: tuple[float, float], rise: float) -> float:
-    """Where the cost should have risen by `rise`, if it rises as a square; half way where it rises much more steeply."""
+def _between(inside: tuple[float, float], outside: tuple[float, float], rise: float, fell_short: bool) -> float:
+    """Where the cost should have risen by `rise`, if it rises as a square.
+
+    At least half way where it rises much more steeply, or where the last trial between them fell short.
+    """
     low, wanted, high = np.sqrt(np.maximum([inside[1], rise, outside[1]], 0.0))
     share = float((wanted - low) / (high - low))
-    return inside[0] + (min(share, NEARLY) if share > STEEP else 0.5) * (outside[0] - inside[0])
+    least = 0.5 if fell_short or share <= STEEP else share
+    return inside[0] + float(np.clip(share, least, NEARLY)) * (outside[0] - inside[0])
 
 
 def _beyond(inside: Sequence[tuple[float, float]], rise: float, limit: float) -> float:
