@@ -13,6 +13,9 @@ from crashkit.report.document import plain
 from crashkit.report.files import write_text
 
 COLUMNS = ("parameter", "value", "unit", "std", "95 % interval", "")
+MANY = 0.05
+"""Share of a channel from which readings that were left out are told first: recorders lose single ones, trackers a few in a
+hundred; more are a channel, or a part of the motion, that the model does not explain."""
 NOTHING = "-"
 """In the table, of what is not known."""
 
@@ -30,8 +33,7 @@ def as_text(result: Identification, curves: xr.DataTree | None = None) -> str:
         curves: predicted ones with their bands; of the runs that were not fitted, it is told how well they are met.
     """
     parameters = as_plain(result)["parameters"]
-    residuals = f"the residuals are {result.parameters.attrs['normalised_residual']:.3g} times the noise"
-    blocks = [f"{result.status.value}\n{residuals}", _table([_row(parameter) for parameter in parameters])]
+    blocks = ["\n".join([result.status.value, *_residuals(result)]), _table([_row(parameter) for parameter in parameters])]
     if result.unseen:
         blocks.append("\n".join(["not known from these recordings:", *(f"  {sentence}" for sentence in result.unseen)]))
     if result.parameters.attrs["remarks"]:
@@ -52,6 +54,8 @@ def as_plain(result: Identification) -> dict[str, Any]:
         "sentence": result.status.value,
         "cost": result.cost,
         "normalised_residual": table.attrs["normalised_residual"],
+        "normalised_residual_of_all": _of_all(result),
+        "left_out": table.attrs.get("left_out", {}),
         "parameters": [dict(zip(names, row, strict=True)) for row in zip(*names.values(), strict=True)],
         "covariance": table["covariance"].values.tolist(),
         "unseen": list(result.unseen),
@@ -60,6 +64,24 @@ def as_plain(result: Identification) -> dict[str, Any]:
     if result.path is not None:
         document["path"] = {name: result.path[name].values.tolist() for name in ("cost", "value")}
     return {key: plain(value) for key, value in document.items()}
+
+
+def _residuals(result: Identification) -> list[str]:
+    """How large the residuals are, and of which channels they are only a part."""
+    lines = [f"the residuals are {result.parameters.attrs['normalised_residual']:.3g} times the noise"]
+    shares = result.parameters.attrs.get("left_out", {}).items()
+    many = [f"{100.0 * share:.0f} % of {channel}" for channel, share in shares if share > MANY]
+    if many:
+        verb = "does not fit and was" if len(many) == 1 else "do not fit and were"
+        told = f"{', '.join(many)} {verb} left out"
+        lines.append(f"{told}; with all readings the residuals are {_of_all(result):.3g} times the noise")
+    return lines
+
+
+def _of_all(result: Identification) -> float:
+    """The normalised residual of all readings, outliers and all."""
+    attributes = result.parameters.attrs
+    return float(attributes.get("normalised_residual_of_all", attributes["normalised_residual"]))
 
 
 def _row(parameter: Mapping[str, Any]) -> tuple[str, ...]:

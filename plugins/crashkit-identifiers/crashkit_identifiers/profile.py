@@ -8,7 +8,7 @@ from attrs import evolve, frozen
 from crashkit.errors import SimulationError
 from crashkit.misfit import SameVariables
 from crashkit.protocols import Problem
-from crashkit_identifiers.cost import REFUSED, cost_at, half_square, residual_at
+from crashkit_identifiers.cost import cost_at, half_square, residual_at, unwarned
 from crashkit_identifiers.levenberg_marquardt import Search, damped_step, promise
 from crashkit_identifiers.parabola import Parabola
 
@@ -155,7 +155,7 @@ class Profile:
         held = _Held(self.problem, index, float(refit.point[index]))
         point, damping, enough = refit.point, DAMPING, ENOUGH * self.found.rise
         try:
-            with np.errstate(**REFUSED):
+            with unwarned():
                 residual, jacobian = self.problem.residual_and_jacobian(point)
                 curvature, cost = jacobian.T @ jacobian, self.found.cost + refit.rise
         except SimulationError:

@@ -22,7 +22,12 @@ Path = tuple[tuple[float, np.ndarray], ...]
 
 
 def conclude(
-    problem: Problem, point: np.ndarray, status: Status, path: Path, objective: Problem | None = None
+    problem: Problem,
+    point: np.ndarray,
+    status: Status,
+    path: Path,
+    objective: Problem | None = None,
+    count: float | None = None,
 ) -> Identification:
     """The result of any method that ended at `point`.
 
@@ -38,8 +43,9 @@ def conclude(
         point: in search variables.
         status, path: as the method leaves them.
         objective: whose residuals are meant, if these are not the problem's own: those of a prior may have joined them.
+        count: of independent readings among them, if these are not all of the problem's.
     """
-    found = parabola_at(problem, objective or problem, point)
+    found = parabola_at(problem, objective or problem, point, count)
     if found is None:
         return _without_simulation(problem, point, status, path)
     names, size = list(problem.names), _sizes(problem, point)
