@@ -8,6 +8,8 @@ from attrs import frozen
 from crashkit.model import Model
 from crashkit.protocols import Laws, ParameterSpec
 
+NOTES = {"null": " (the law's null)", "default": " (the law's default)", "fixed": ""}
+
 
 @frozen
 class Held:
@@ -61,9 +63,17 @@ def _why(spec: ParameterSpec | None, value: float) -> str:
 
 
 def _numbers(held: Sequence[Held]) -> str:
-    """Those of one owner: "rate_coefficient, damping at 0 (the law's null); engagement at 0.001 (the law's default)"."""
-    names: dict[tuple[str, float], dict[str, None]] = {}
-    for one in sorted(held, key=lambda one: ("null", "default", "fixed").index(one.why)):
-        names.setdefault((one.why, one.value), {})[one.name] = None
-    note = {"null": " (the law's null)", "default": " (the law's default)", "fixed": ""}
-    return "; ".join(f"{', '.join(alike)} at {value:.6g}{note[why]}" for (why, value), alike in names.items())
+    """Those of one owner: "toe, damping at 0, tension_force at 1e+12 (the law's null); engagement at 0.001 (...)"."""
+    alike = {why: _alike([one for one in held if one.why == why]) for why in NOTES}
+    return "; ".join(f"{numbers}{NOTES[why]}" for why, numbers in alike.items() if numbers)
+
+
+def _alike(held: Sequence[Held]) -> str:
+    """Names that are held at the same value together; of a vector with several values, how many it has."""
+    values: dict[str, list[float]] = {}
+    for one in held:
+        values.setdefault(one.name, []).append(one.value)
+    names: dict[str, list[str]] = {}
+    for name, own in values.items():
+        names.setdefault(f"at {own[0]:.6g}" if len(set(own)) == 1 else f"at {len(own)} numbers", []).append(name)
+    return ", ".join(f"{', '.join(same)} {where}" for where, same in names.items())

@@ -171,7 +171,7 @@ def test_what_was_held_is_told_with_the_value_and_why(folder, tmp_path, capsys):
     file = tmp_path / "result.json"
     assert main(command(folder, "--method", "sensitivity", "--json", file)) == 0
     told = capsys.readouterr().out.split("held:\n")[1].split("\n\n")[0]
-    assert re.search(r"  joint\.first: .*rate_coefficient.* at 0 \(the law's null\)", told)
+    assert re.search(r"  joint\.first: .*rate_coefficient.* at 0.* \(the law's null\)", told)
     assert "  body.front: mass at 1000" in told
     held = json.loads(file.read_text(encoding="utf-8"))["held"]
     assert {"parameter": "body.front.mass", "value": 1000.0, "why": "fixed"} in held
@@ -180,10 +180,17 @@ def test_what_was_held_is_told_with_the_value_and_why(folder, tmp_path, capsys):
 
 def test_joints_of_which_the_same_was_held_share_a_line():
     held = [Held(f"joint.{name}.{number}", value, why) for name in "ab" for number, value, why in HELD]
-    assert told(held) == "held:\n  joint.a, joint.b: gap, slope at 0 (the law's null); curve at 2"
+    assert told(held) == "held:\n  joint.a, joint.b: gap, slope at 0 (the law's null); curve at 2, table at 2 numbers"
 
 
-HELD = (("gap", 0.0, "null"), ("curve[0]", 2.0, "fixed"), ("curve[1]", 2.0, "fixed"), ("slope", 0.0, "null"))
+HELD = (
+    ("gap", 0.0, "null"),
+    ("curve[0]", 2.0, "fixed"),
+    ("curve[1]", 2.0, "fixed"),
+    ("table[0]", 1.0, "fixed"),
+    ("table[1]", 3.0, "fixed"),
+    ("slope", 0.0, "null"),
+)
 
 
 def test_what_is_not_finite_is_null_in_json():
