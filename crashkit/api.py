@@ -36,6 +36,7 @@ from crashkit.protocols import Identification, Identifier, Status
 from crashkit.registry import Registry, load
 from crashkit.report import write_json, write_report
 from crashkit.report.cross_check import write_cross_check
+from crashkit.report.held import Held, held_in
 from crashkit.report.identification import as_text, write_identification
 
 __all__ = [
@@ -81,14 +82,16 @@ class Identified:
         model: with the values that were found.
         result: the values with their covariance, what the recordings do not see, the path.
         curves: predicted curves with their bands, where they were asked for.
+        held: the numbers of the model that were not sought.
     """
 
     model: Model
     result: Identification
     curves: xr.DataTree | None = None
+    held: Sequence[Held] = ()
 
     def __str__(self) -> str:
-        return as_text(self.result, self.curves)
+        return as_text(self.result, self.curves, self.held)
 
     __repr__ = __str__
 
@@ -210,18 +213,18 @@ def identify_files(
     misfit = Misfit(given, recordings, registry.spring_laws, registry.observers)
     misfit = misfit.with_step(fine_step(misfit))
     result = _identified(registry.identifier(method)(), misfit, progress)
-    found = given.at(result.values)
+    found, held = given.at(result.values), held_in(given, registry.spring_laws)
     if output:
         write_model(found, _path(output), registry.spring_laws)
     if document:
-        write_identification(result, method, tuple(recordings), _path(document))
+        write_identification(result, method, tuple(recordings), _path(document), held)
     if not curves and not others:
-        return Identified(found, result)
+        return Identified(found, result, held=held)
     shown = Misfit(given, recordings | others, registry.spring_laws, registry.observers, misfit.simulator.engine, misfit.step)
     bands = predicted_curves(misfit, shown, result)
     if curves:
         write_tree(bands, _path(curves))
-    return Identified(found, result, bands)
+    return Identified(found, result, bands, held)
 
 
 def _identified(identifier: Identifier[Any], misfit: Misfit, progress: Show) -> Identification:

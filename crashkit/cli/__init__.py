@@ -16,6 +16,8 @@ from crashkit.errors import CrashkitError
 
 USER_ERROR = 2
 INTERRUPTED = 130
+CLOSED_PIPE = 141
+"""As of a program that the signal of a closed pipe ends."""
 
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 """What the libraries behind numpy read once, when they are loaded."""
@@ -39,8 +41,21 @@ def main(argv: Sequence[str] | None = None) -> int:
         argv: without the program's name; None: those of the process.
 
     Returns:
-        the exit status: 0; 2 for an error that the user can mend, told on stderr; 130 where the user interrupted.
+        the exit status: 0; 2 for an error that the user can mend, told on stderr; 130 where the user interrupted; 141, without
+        a word, where nobody reads on, as of `crashkit ... | head`.
     """
+    try:
+        try:
+            return _ended(argv)
+        finally:
+            sys.stdout.flush()  # what waits there would meet the closed pipe when the process ends
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return CLOSED_PIPE
+
+
+def _ended(argv: Sequence[str] | None) -> int:
+    """The exit status of a command, its errors told."""
     arguments = parser().parse_args(argv)
     use_one_thread()
     try:
@@ -49,6 +64,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except CrashkitError as error:
         _complain(str(error))
         return USER_ERROR
+    except BrokenPipeError:
+        raise
     except OSError as error:
         _complain(f"{error.filename}: {error.strerror}" if error.filename else str(error))
         return USER_ERROR

@@ -46,7 +46,8 @@ class Identification:
         parameters: Dataset over `parameter` with `value`, `std`, the 95 % interval `interval_lower` to `interval_upper`, the
             bounds `lower` and `upper`, `at_bound`, `identifiable`, `units`, and `covariance` (parameter, parameter_2);
             `std` is NaN where nothing is known of it. Attributes `normalised_residual` (root mean square over noise) and
-            `remarks`.
+            `remarks`; where readings were left out also `left_out` (their share, by channel) and
+            `normalised_residual_of_all` (with them).
         status: how it ended.
         cost: half the sum of squared weighted residuals.
         unseen: combinations of parameters that the data do not see, as sentences.

@@ -18,6 +18,7 @@ from crashkit.mechanics import Simulator
 from crashkit.model.toml import write_model
 from crashkit.protocols import Identification, Status
 from crashkit.registry import load
+from crashkit.report.held import Held, told
 from crashkit.report.identification import as_plain, as_text
 from crashkit.testing import toys
 
@@ -142,6 +143,54 @@ def test_status_sentences_and_remarks_are_told():
     assert text.startswith("not converged: no acceptable step was found, and the gradient is not zero\n")
     assert "the residuals are 1.02 times the noise" in text
     assert text.endswith("not known from these recordings:\n  gap is a riddle\n\nA remark.")
+
+
+def test_a_number_and_its_interval_are_in_one_format():
+    known = {"value": 230736.0, "std": 1230.0, "interval_lower": 228419.0, "interval_upper": 233084.0}
+    assert "gap        230736  m     1200  228420 to 233080" in as_text(result(**known))
+
+
+def test_readings_that_were_left_out_are_told_first_where_they_are_many():
+    found = result()
+    found.parameters.attrs |= {"left_out": {"run/film/dot": 0.36, "run/film/spot": 0.02}, "normalised_residual_of_all": 8.4}
+    lines = as_text(found).splitlines()
+    told = "36 % of run/film/dot does not fit and was left out; with all readings the residuals are 8.4 times the noise"
+    assert lines[1:3] == ["the residuals are 1.02 times the noise", told]
+    document = as_plain(found)
+    assert document["normalised_residual_of_all"] == 8.4
+    assert document["left_out"] == {"run/film/dot": 0.36, "run/film/spot": 0.02}
+
+
+def test_where_nothing_was_left_out_all_readings_are_those_that_fit():
+    document = as_plain(result())
+    assert (document["normalised_residual_of_all"], document["left_out"]) == (1.02, {})
+
+
+def test_what_was_held_is_told_with_the_value_and_why(folder, tmp_path, capsys):
+    """A start at the law's null leaves the physics out."""
+    file = tmp_path / "result.json"
+    assert main(command(folder, "--method", "sensitivity", "--json", file)) == 0
+    told = capsys.readouterr().out.split("held:\n")[1].split("\n\n")[0]
+    assert re.search(r"  joint\.first: .*rate_coefficient.* at 0.* \(the law's null\)", told)
+    assert "  body.front: mass at 1000" in told
+    held = json.loads(file.read_text(encoding="utf-8"))["held"]
+    assert {"parameter": "body.front.mass", "value": 1000.0, "why": "fixed"} in held
+    assert {"parameter": "joint.first.rate_coefficient", "value": 0.0, "why": "null"} in held
+
+
+def test_joints_of_which_the_same_was_held_share_a_line():
+    held = [Held(f"joint.{name}.{number}", value, why) for name in "ab" for number, value, why in HELD]
+    assert told(held) == "held:\n  joint.a, joint.b: gap, slope at 0 (the law's null); curve at 2, table at 2 numbers"
+
+
+HELD = (
+    ("gap", 0.0, "null"),
+    ("curve[0]", 2.0, "fixed"),
+    ("curve[1]", 2.0, "fixed"),
+    ("table[0]", 1.0, "fixed"),
+    ("table[1]", 3.0, "fixed"),
+    ("slope", 0.0, "null"),
+)
 
 
 def test_what_is_not_finite_is_null_in_json():

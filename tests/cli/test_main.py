@@ -279,3 +279,11 @@ def test_a_command_leaves_threads_alone_where_the_user_has_set_them(api, monkeyp
     monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
     main(["check", "1.nc"])
     assert (os.environ["OMP_NUM_THREADS"], os.environ["OPENBLAS_NUM_THREADS"]) == ("3", "1")
+
+
+def test_a_reader_that_has_left_is_no_error():
+    read, write = os.pipe()
+    os.close(read)
+    with os.fdopen(write) as closed:
+        run = subprocess.run([sys.executable, "-m", "crashkit", "plugins"], stdout=closed, stderr=subprocess.PIPE, text=True)
+    assert (run.returncode, run.stderr) == (141, "")

@@ -9,6 +9,11 @@ NOTHING = 0.01
 """Half a χ² that counts as nothing left to gain: a tenth of a standard deviation."""
 
 
+def unwarned() -> np.errstate:
+    """A trial far from the data may overflow, one at a bound divide by 0: its cost refuses it, which is no reason to warn."""
+    return np.errstate(over="ignore", divide="ignore", invalid="ignore")
+
+
 def cost_at(problem: Problem, point: np.ndarray) -> float:
     """Half the sum of squared residuals; infinite where the model cannot be simulated, or blows up."""
     return half_square(residual_at(problem, point))
@@ -17,8 +22,7 @@ def cost_at(problem: Problem, point: np.ndarray) -> float:
 def residual_at(problem: Problem, point: np.ndarray) -> np.ndarray:
     """The residuals; infinite where the model cannot be simulated."""
     try:
-        # A trial far from the data may overflow: it is refused by its cost, which is no reason to warn.
-        with np.errstate(over="ignore", invalid="ignore"):
+        with unwarned():
             return problem.residual(point)
     except SimulationError:
         return np.array([np.inf])
@@ -26,7 +30,7 @@ def residual_at(problem: Problem, point: np.ndarray) -> np.ndarray:
 
 def half_square(residual: np.ndarray) -> float:
     """The cost of residuals; infinite where one of them is not finite."""
-    with np.errstate(over="ignore", invalid="ignore"):
+    with unwarned():
         cost = 0.5 * float(residual @ residual)
     return cost if np.isfinite(cost) else np.inf
 
@@ -34,7 +38,7 @@ def half_square(residual: np.ndarray) -> float:
 def cost_and_gradient(problem: Problem, point: np.ndarray) -> tuple[float, np.ndarray]:
     """The cost and its derivatives to the search variables: dJ/du = Jᵀr, from forward sensitivities."""
     try:
-        with np.errstate(over="ignore", invalid="ignore"):
+        with unwarned():
             residual, jacobian = problem.residual_and_jacobian(point)
             cost, gradient = 0.5 * float(residual @ residual), jacobian.T @ residual
     except SimulationError:

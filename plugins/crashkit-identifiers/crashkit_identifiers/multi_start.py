@@ -10,7 +10,7 @@ from crashkit.misfit import Misfit
 from crashkit.protocols import Identification, Identifier, Problem, Status
 from crashkit_identifiers.cost import cost_at, residual_at
 from crashkit_identifiers.levenberg_marquardt import EXACT, Limits, Search, advance, begin
-from crashkit_identifiers.outliers import judged, told
+from crashkit_identifiers.outliers import independent, judged, left_out, told
 from crashkit_identifiers.part import Part, up_to
 from crashkit_identifiers.prior import with_prior
 from crashkit_identifiers.result import Path, conclude
@@ -116,9 +116,13 @@ class MultiStart(Identifier[Attempts]):
 
     def finish(self, problem: Problem, state: Attempts) -> Identification:
         """The parameters, with what is known of them without the outliers."""
-        found = conclude(problem, state.point, state.status, state.path, self._late(problem, state.kept))
-        remarks = [found.parameters.attrs["remarks"], *self._remarks(problem, state)]
-        found.parameters.attrs["remarks"] = " ".join(filter(None, remarks))
+        kept = state.kept
+        count = None if kept.all() else independent(problem, kept)
+        found = conclude(problem, state.point, state.status, state.path, self._late(problem, kept), count)
+        attributes = found.parameters.attrs
+        attributes["remarks"] = " ".join(filter(None, [attributes["remarks"], *self._remarks(problem, state)]))
+        if isinstance(problem, Misfit) and not kept.all():
+            attributes |= _with_outliers(problem, state.point, kept)
         return found
 
     def _guess(self, problem: Problem, state: Attempts, stage: int) -> Attempts:
@@ -212,3 +216,10 @@ class MultiStart(Identifier[Attempts]):
             same = int(np.sum(costs <= (1.0 + SAME) * costs.min()))
             remarks.append(f"{len(costs)} starts were searched from; {same} of them ended here.")
         return remarks
+
+
+def _with_outliers(problem: Misfit, point: np.ndarray, kept: np.ndarray) -> dict[str, object]:
+    """What was left out of each channel, and what remains of all readings."""
+    residual = problem.discrepancy(point)
+    normalised = float(np.sqrt(residual @ residual / problem.independent_samples))
+    return {"left_out": left_out(problem, kept), "normalised_residual_of_all": normalised}

@@ -4,6 +4,7 @@ import numpy as np
 
 from crashkit.errors import SimulationError
 from crashkit.protocols import Problem
+from crashkit_identifiers.cost import unwarned
 
 
 def normal_equations(problem: Problem, point: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
@@ -15,7 +16,7 @@ def normal_equations(problem: Problem, point: np.ndarray) -> tuple[np.ndarray, n
         point: in search variables.
     """
     try:
-        with np.errstate(over="ignore", invalid="ignore"):
+        with unwarned():
             residual, jacobian = problem.residual_and_jacobian(point)
             gradient, curvature = jacobian.T @ residual, jacobian.T @ jacobian
             is_sound = np.isfinite(residual @ residual) and np.isfinite(curvature).all()

@@ -31,8 +31,8 @@ class Verdict:
 def judged(problem: Problem, residual: np.ndarray) -> Verdict:
     """A verdict on residuals.
 
-    A reading is an outlier beyond 5 max(1, s), with s a robust scale of its channel's residuals: where a model is wrong, all
-    of them are large, and none is an outlier.
+    A reading is an outlier beyond 5 max(1, s), with s a robust scale of its channel's residuals: where a model is wrong all
+    along, all of them are large, and none is an outlier. Where most of a channel fits, all of the rest is.
     """
     channels, correlation = _channels(problem, len(residual))
     residual = residual[: len(channels)]  # without those of a prior
@@ -47,16 +47,27 @@ def judged(problem: Problem, residual: np.ndarray) -> Verdict:
     return Verdict(kept, bool(few and excess < 1.0 + CHANCE * np.sqrt(2.0 / freedom)))
 
 
+def independent(problem: Problem, kept: np.ndarray) -> float:
+    """How many independent readings those that are kept amount to."""
+    return float(np.sum(1.0 / _channels(problem, len(kept))[1][kept]))
+
+
+def left_out(problem: Misfit, kept: np.ndarray) -> dict[str, float]:
+    """The share of its readings that is left out of every channel that loses any, by the channel's name."""
+    numbers = _channels(problem, len(kept))[0]
+    shares = {
+        channel.name: float(np.mean(~kept[numbers == i])) for i, channel in enumerate(problem.channels) if channel.samples
+    }
+    return {name: share for name, share in shares.items() if share > 0.0}
+
+
 def told(problem: Problem, kept: np.ndarray) -> str:
     """The outliers in words; empty where there are none."""
-    left_out = int(np.count_nonzero(~kept))
-    if not left_out:
+    lost = int(np.count_nonzero(~kept))
+    if not lost:
         return ""
-    where = ""
-    if isinstance(problem, Misfit):
-        channels = _channels(problem, len(kept))[0]
-        where = " (" + ", ".join(problem.channels[i].name for i in np.unique(channels[~kept])) + ")"
-    return f"{left_out} of {len(kept)} readings are outliers and were left out{where}."
+    where = f" ({', '.join(left_out(problem, kept))})" if isinstance(problem, Misfit) else ""
+    return f"{lost} of {len(kept)} readings are outliers and were left out{where}."
 
 
 def _channels(problem: Problem, count: int) -> tuple[np.ndarray, np.ndarray]:

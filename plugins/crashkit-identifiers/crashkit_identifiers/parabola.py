@@ -88,6 +88,12 @@ class Parabola:
         """Half the width of every linear interval about the least misfit, so that the point lies inside."""
         return np.sqrt(np.diag(self.spread) * (CONFIDENCE**2 + 2.0 * self.drop / self.excess))
 
+    @cached_property
+    def alone(self) -> np.ndarray:
+        """Half the width of every interval if the other variables were known; infinite where nothing is felt."""
+        with np.errstate(divide="ignore"):
+            return CONFIDENCE * np.sqrt(self.excess / np.diag(self.curvature))
+
     def expected(self, index: int, value: float) -> float:
         """How far the cost should rise where one variable has that value, the others being at their best."""
         away = value - self.point[index] - self.left[index]
@@ -105,20 +111,22 @@ def modes(curvature: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return root, *np.linalg.eigh(curvature / np.outer(root, root))
 
 
-def parabola_at(problem: Problem, objective: Problem, point: np.ndarray) -> Parabola | None:
+def parabola_at(problem: Problem, objective: Problem, point: np.ndarray, count: float | None = None) -> Parabola | None:
     """The misfit about a point; None where the model cannot be simulated.
 
     Arguments:
         problem: whose readings are counted, and whose bounds hold.
         objective: whose residuals are meant: those of a prior may have joined them, outliers may have left.
         point: in search variables.
+        count: of independent readings, if these are not all of the problem's.
     """
     there = normal_equations(objective, point)
     if there is None:
         return None
     residual, gradient, curvature = there
     cost = 0.5 * float(residual @ residual)
-    count = problem.independent_samples if isinstance(problem, Misfit) else float(len(residual))
+    if count is None:
+        count = problem.independent_samples if isinstance(problem, Misfit) else float(len(residual))
     lower, upper = problem.bounds()
     found = Parabola(point, cost, gradient, curvature, count, (point <= lower) | (point >= upper))
     return found if found.is_far or _keeps_its_promise(objective, found) else evolve(found, gradient=np.zeros_like(gradient))

@@ -8,7 +8,7 @@ from attrs import evolve, frozen
 from crashkit.errors import SimulationError
 from crashkit.misfit import SameVariables
 from crashkit.protocols import Problem
-from crashkit_identifiers.cost import cost_at, half_square, residual_at
+from crashkit_identifiers.cost import cost_at, half_square, residual_at, unwarned
 from crashkit_identifiers.levenberg_marquardt import Search, damped_step, promise
 from crashkit_identifiers.parabola import Parabola
 
@@ -16,13 +16,15 @@ TRUSTED = 0.3
 """How far the rise of the misfit at the end of a linear interval may be from what is expected, as a share of it."""
 CLOSE = (0.9, 1.2)
 """Share of the rise that is as good as the rise: an end is then known to 5 % of the half width inside, and 10 % outside."""
-TRIALS = 10
+TRIALS = 12
 STRIDE = (0.2, 2.0)
 """How much further the next trial may be, as a share of the last."""
 STEEP, NEARLY = 0.1, 0.9
 """Where, between two that enclose the end, the next trial may be."""
 LOOSE = 25.0
 """Excess of χ² beyond which a profile says no more than the curvature."""
+NARROW = 0.05
+"""Of the way behind and ahead: where the misfit leaps between two trials that close, there is a cliff."""
 OPEN = 1e3
 """Times a value: an interval that reaches as far has no end."""
 ENOUGH = 0.05
@@ -40,7 +42,8 @@ def intervals(problem: Problem, found: Parabola) -> np.ndarray:
 
     All values whose misfit, with every other variable at its best, is no larger than at the point found by more than chance
     allows (Venzon & Moolgavkar 1988, doi:10.2307/2347496). The curvature gives the ends where the misfit agrees with it; a
-    bound is an end where the recordings set none, and where the point is too far from the least misfit to tell.
+    bound is an end where the recordings set none, where no end was reached, and where the point is too far from the least
+    misfit to tell.
     """
     bounds, point, reach = np.array(problem.bounds()), found.point, found.reach()
     if found.is_far:
@@ -51,10 +54,8 @@ def intervals(problem: Problem, found: Parabola) -> np.ndarray:
     if found.excess > LOOSE:
         return linear
     profile = Profile(problem, found)
-    free = np.flatnonzero(~found.held).tolist()
-    for side in (0, 1):
-        linear[side, free] = [profile.end(index, float(linear[side, index]), float(bounds[side, index])) for index in free]
-    return linear
+    pairs = zip(linear.tolist(), bounds.tolist(), strict=True)
+    return np.array([[profile.end(i, *ends) for i, ends in enumerate(zip(*pair, strict=True))] for pair in pairs])
 
 
 class Profile:
@@ -75,26 +76,47 @@ class Profile:
 
     def end(self, index: int, linear: float, bound: float) -> float:
         """The end of an interval towards a bound: `linear` if the misfit rises there as the curvature expects."""
-        start, rise = float(self.found.point[index]), self.found.rise
+        start, size = float(self.found.point[index]), float(self._size[index])
         limit = start + float(np.clip(bound - start, -self._furthest[index], self._furthest[index]))
+        if limit == start:
+            return bound
         if linear != bound and abs(linear - start) < abs(limit - start) and self._agrees(index, linear):
             return linear
-        first = start + float(np.copysign(self._size[index], limit - start))
-        trial = min(linear, first, limit, key=lambda value: abs(value - start))
-        inside, outside, refit = [(start, 0.0)], None, None
+        most = min(size, self.found.alone[index]) if self.found.held[index] else size
+        first = start + float(np.copysign(most, limit - start))
+        return self._sought(index, min(linear, first, limit, key=lambda value: abs(value - start)), limit, bound)
+
+    def _sought(self, index: int, trial: float, limit: float, bound: float) -> float:
+        """The end, followed from trial to trial along the valley that the others make; the bound where none is reached."""
+        rise, inside, outside = self.found.rise, [_Refit(self.found.point, 0.0)], None
         for _ in range(TRIALS):
-            refit = self._refitted(index, trial, refit)
-            if CLOSE[0] * rise <= refit.rise <= CLOSE[1] * rise:
+            refit = self._refitted(index, trial, inside[-1])
+            if refit.is_settled and CLOSE[0] * rise <= refit.rise <= CLOSE[1] * rise:
                 return trial
-            if refit.rise < rise and trial == limit:
+            if refit.rise >= rise:
+                outside = refit
+            elif trial == limit:
                 return bound
-            if refit.rise < rise:
-                inside.append((trial, refit.rise))
             else:
-                outside = (trial, refit.rise)
-            trial = _between(inside[-1], outside, rise) if outside else _beyond(inside, rise, limit)
-        # A misfit that never rose, ever further out, sets no end.
-        return bound if outside is None else outside[0]
+                inside.append(refit)
+                # What was given up from further away proves nothing from here.
+                outside = outside if outside and outside.is_settled else None
+            trial = self._next(index, inside, outside, limit, refit is not outside)
+        return float(outside.point[index]) if outside and self._is_cliff(index, inside[-1], outside, bound) else bound
+
+    def _next(self, index: int, trials: Sequence["_Refit"], outside: "_Refit | None", limit: float, fell_short: bool) -> float:
+        """The next trial: between the last inside and one outside, or beyond."""
+        inside = [(float(one.point[index]), one.rise) for one in trials]
+        if outside is None:
+            return _beyond(inside, self.found.rise, limit)
+        return _between(inside[-1], (float(outside.point[index]), outside.rise), self.found.rise, fell_short)
+
+    def _is_cliff(self, index: int, inside: "_Refit", outside: "_Refit", bound: float) -> bool:
+        """Whether the misfit is too high even from a trial inside that is so close that the others cannot have gone astray."""
+        value = float(outside.point[index])
+        way = min(abs(value - self.found.point[index]), abs(bound - value))
+        is_close = abs(value - inside.point[index]) < NARROW * way
+        return is_close and self._refitted(index, value, inside).rise >= self.found.rise
 
     def _agrees(self, index: int, end: float) -> bool:
         """Whether the misfit rises as the curvature expects."""
@@ -112,11 +134,11 @@ class Profile:
         point[index] = value
         return point
 
-    def _refitted(self, index: int, value: float, last: "_Refit | None") -> "_Refit":
+    def _refitted(self, index: int, value: float, last: "_Refit") -> "_Refit":
         """The least misfit with one variable held, as far as it matters, from where the last refit or the curvature leads."""
         own = self.found.point
         starts = [self._at(index, value, own), self._ridge(index, value)]
-        if last is not None:
+        if last.point[index] != own[index]:
             further = (value - own[index]) / (last.point[index] - own[index])
             starts[1] = self._at(index, value, own + further * (last.point - own))
         costs = [cost_at(self.problem, start) for start in starts]
@@ -133,7 +155,7 @@ class Profile:
         held = _Held(self.problem, index, float(refit.point[index]))
         point, damping, enough = refit.point, DAMPING, ENOUGH * self.found.rise
         try:
-            with np.errstate(over="ignore", invalid="ignore"):  # refused below, which is no reason to warn
+            with unwarned():
                 residual, jacobian = self.problem.residual_and_jacobian(point)
                 curvature, cost = jacobian.T @ jacobian, self.found.cost + refit.rise
         except SimulationError:
@@ -191,11 +213,15 @@ def _slopes(found: Parabola, size: np.ndarray) -> np.ndarray:
     return slopes
 
 
-def _between(inside: tuple[float, float], outside: tuple[float, float], rise: float) -> float:
-    """Where the cost should have risen by `rise`, if it rises as a square; half way where it rises much more steeply."""
+def _between(inside: tuple[float, float], outside: tuple[float, float], rise: float, fell_short: bool) -> float:
+    """Where the cost should have risen by `rise`, if it rises as a square.
+
+    At least half way where it rises much more steeply, or where the last trial between them fell short.
+    """
     low, wanted, high = np.sqrt(np.maximum([inside[1], rise, outside[1]], 0.0))
     share = float((wanted - low) / (high - low))
-    return inside[0] + (min(share, NEARLY) if share > STEEP else 0.5) * (outside[0] - inside[0])
+    least = 0.5 if fell_short or share <= STEEP else share
+    return inside[0] + float(np.clip(share, least, NEARLY)) * (outside[0] - inside[0])
 
 
 def _beyond(inside: Sequence[tuple[float, float]], rise: float, limit: float) -> float:

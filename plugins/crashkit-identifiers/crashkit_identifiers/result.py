@@ -22,7 +22,12 @@ Path = tuple[tuple[float, np.ndarray], ...]
 
 
 def conclude(
-    problem: Problem, point: np.ndarray, status: Status, path: Path, objective: Problem | None = None
+    problem: Problem,
+    point: np.ndarray,
+    status: Status,
+    path: Path,
+    objective: Problem | None = None,
+    count: float | None = None,
 ) -> Identification:
     """The result of any method that ended at `point`.
 
@@ -38,8 +43,9 @@ def conclude(
         point: in search variables.
         status, path: as the method leaves them.
         objective: whose residuals are meant, if these are not the problem's own: those of a prior may have joined them.
+        count: of independent readings among them, if these are not all of the problem's.
     """
-    found = parabola_at(problem, objective or problem, point)
+    found = parabola_at(problem, objective or problem, point, count)
     if found is None:
         return _without_simulation(problem, point, status, path)
     names, size = list(problem.names), _sizes(problem, point)
@@ -148,7 +154,7 @@ def _unseen(names: list[str], curvature: np.ndarray, size: np.ndarray, held: np.
 def _one_sided(table: xr.Dataset) -> dict[str, str]:
     """Sentences on the parameters of which the data set only one end, by name."""
     sentences = {}
-    for name in table["parameter"].values[~table["identifiable"].values].tolist():
+    for name in table["parameter"].values[~(table["identifiable"] | table["at_bound"]).values].tolist():
         row = table.sel(parameter=name)
         low, high = (float(row["interval_lower"]), float(row["lower"])), (float(row["interval_upper"]), float(row["upper"]))
         if low[0] > low[1] and high[0] >= high[1]:

@@ -117,6 +117,22 @@ def test_outliers_do_not_rule(search):
         f"{spoilt} of 802 readings are outliers and were left out (speed_1/film/front_marker)."
         in found.parameters.attrs["remarks"]
     )
+    assert found.parameters.attrs["left_out"] == {"speed_1/film/front_marker": pytest.approx(spoilt / 401)}
+    assert found.parameters.attrs["normalised_residual"] == pytest.approx(1.0, abs=0.1)
+    assert found.parameters.attrs["normalised_residual_of_all"] > 5.0
+
+
+def test_a_channel_of_which_a_fifth_does_not_fit_is_told(search):
+    """The accelerometer's cable breaks: from then on it reads 3000 m s-2 too little."""
+    clean, registry = search(toys.one_degree(), 0.9, noise=0.01), load()
+    tree = clean.recordings["speed_1"]
+    group = tree.children["accelerometer"].to_dataset(inherit=False)
+    late = group["time"] > 0.8 * group["time"].max()
+    broken = tree.assign({"accelerometer": xr.DataTree(group.assign(acceleration=group["acceleration"] - 3000.0 * late))})
+    found = run(MultiStart(), Misfit(clean.model, {"speed_1": broken}, registry.spring_laws, registry.observers))
+    attributes = found.parameters.attrs
+    assert attributes["left_out"] == {"speed_1/accelerometer/front_sensor": pytest.approx(0.2, abs=0.01)}
+    assert attributes["normalised_residual_of_all"] > 10.0 * attributes["normalised_residual"]
 
 
 def test_a_wrong_model_has_no_outliers(search):

@@ -5,14 +5,13 @@ import pytest
 from attrs import define, evolve
 
 from crashkit.misfit import Misfit
+from crashkit.misfit.bands import CONFIDENCE
 from crashkit.protocols import Status
 from crashkit.registry import load
 from crashkit.testing import toys
 from crashkit_identifiers.result import conclude
 from crashkit_identifiers.run import run
 from crashkit_identifiers.sensitivity import Sensitivity
-
-HALF = 1.959963984540054
 
 
 @define
@@ -69,8 +68,8 @@ def test_at_the_least_misfit_of_a_linear_problem_intervals_are_those_of_regressi
     found = concluded(linear, BEST)
     std = np.sqrt(np.diag(np.linalg.inv(MATRIX.T @ MATRIX)))
     assert found.parameters["std"].values == pytest.approx(std)
-    assert found.parameters["interval_lower"].values == pytest.approx(BEST - HALF * std)
-    assert found.parameters["interval_upper"].values == pytest.approx(BEST + HALF * std)
+    assert found.parameters["interval_lower"].values == pytest.approx(BEST - CONFIDENCE * std)
+    assert found.parameters["interval_upper"].values == pytest.approx(BEST + CONFIDENCE * std)
     assert found.parameters.attrs["remarks"] == ""
 
 
@@ -110,7 +109,7 @@ def threshold(point):
 
 def test_a_threshold_is_known_from_one_side():
     found = concluded(threshold, [1.5, 0.0])
-    assert row(found)["interval_lower"] == pytest.approx(1.0 - HALF / 10.0, abs=0.02)
+    assert row(found)["interval_lower"] == pytest.approx(1.0 - CONFIDENCE / 10.0, abs=0.02)
     assert row(found)["interval_upper"] == np.inf
     assert not row(found)["identifiable"]
     assert "a is at least 0." in found.unseen[-1] and found.unseen[-1].endswith("how much more these recordings do not see")
@@ -123,8 +122,8 @@ def test_a_crooked_misfit_is_profiled():
         return np.exp(point) - 1.0 + 0.0 * point, np.diag(np.exp(point))
 
     found = concluded(crooked, [0.0])
-    assert row(found)["interval_upper"] == pytest.approx(np.log(1.0 + HALF), abs=0.05)
-    assert row(found)["interval_lower"] < -HALF
+    assert row(found)["interval_upper"] == pytest.approx(np.log(1.0 + CONFIDENCE), abs=0.05)
+    assert row(found)["interval_lower"] < -CONFIDENCE
 
 
 def test_where_the_curvature_is_right_nothing_is_searched_again():
@@ -171,11 +170,88 @@ def test_what_is_not_seen_does_not_lead_a_seen_one_astray():
         return np.array([10.0 * (a - 1.0), 5.0 * (a + b * c - 2.0)]), np.array([[10.0, 0.0, 0.0], [5.0, 5.0 * c, 5.0 * b]])
 
     found = concluded(product, [1.0, 1.0, 1.0])
-    assert row(found)["interval_upper"] == pytest.approx(1.0 + HALF / 10.0, rel=0.02)
+    assert row(found)["interval_upper"] == pytest.approx(1.0 + CONFIDENCE / 10.0, rel=0.02)
     assert found.unseen[0].startswith("only a combination is seen: ") and found.unseen[0].endswith("can change together")
     assert not any("a is" in sentence for sentence in found.unseen)
     for name in "bc":
         assert not row(found, name)["identifiable"]
+
+
+TIME = np.linspace(0.1, 1.0, 20)
+
+
+def slope(point):
+    """y = a b t, of which 6 t was read: r = 10 (a b - 6) t."""
+    a, b = point
+    return 10.0 * (a * b - 6.0) * TIME, 10.0 * np.outer(TIME, [b, a])
+
+
+def parallel(point):
+    """Two springs side by side, in logarithms: only the sum of the stiffnesses, 3, is seen."""
+    first, second = np.exp(point)
+    return 10.0 * (first + second - 3.0) * TIME, 10.0 * np.outer(TIME, [first, second])
+
+
+def series(point):
+    """Two springs end to end, in logarithms: only the sum of the compliances, 3, is seen."""
+    residual, jacobian = parallel(-np.asarray(point))
+    return residual, -jacobian
+
+
+def test_of_a_product_alone_neither_factor_has_an_interval():
+    found = concluded(slope, [2.0, 3.0], lower=0.0)
+    for name in "ab":
+        assert not row(found, name)["identifiable"]
+        assert row(found, name)["interval_lower"] < 0.01 and row(found, name)["interval_upper"] == np.inf
+        assert row(found, name)["std"] == np.inf
+    assert found.unseen[0].startswith("only a combination is seen: ")
+
+
+def test_of_a_product_a_bound_of_one_factor_bounds_the_other():
+    found = concluded(slope, [2.0, 3.0], lower=np.array([0.0, 2.7]), upper=np.array([9.0, 3.3]))
+    assert row(found)["identifiable"]
+    assert row(found)["interval_lower"] == pytest.approx(6.0 / 3.3, abs=0.05)
+    assert row(found)["interval_upper"] == pytest.approx(6.0 / 2.7, abs=0.05)
+
+
+@pytest.mark.parametrize(("springs", "end", "told"), [(parallel, "upper", "at most"), (series, "lower", "at least")])
+def test_of_a_sum_alone_each_part_is_known_from_one_side(springs, end, told):
+    sign = 1.0 if springs is parallel else -1.0
+    found = concluded(springs, sign * np.log([1.0, 2.0]))
+    for name in "ab":
+        assert not row(found, name)["identifiable"]
+        assert row(found, name)[f"interval_{end}"] == pytest.approx(sign * np.log(3.0), abs=0.05)
+        assert any(sentence.startswith(f"{name} is {told}") for sentence in found.unseen)
+        assert np.isinf(row(found, name)["std"])
+
+
+def test_a_value_at_its_bound_is_limited_from_the_other_side():
+    """r = (10 (a + 0.1), 10 (a + b)): the least misfit within the bound is at a = 0, and b follows."""
+
+    def pushed(point):
+        a, b = point
+        return np.array([10.0 * (a + 0.1), 10.0 * (a + b)]), np.array([[10.0, 0.0], [10.0, 10.0]])
+
+    found = concluded(pushed, [0.0, 0.0], lower=np.array([0.0, -9.0]))
+    assert row(found)["at_bound"] and np.isnan(row(found)["std"])
+    assert row(found)["interval_lower"] == 0.0
+    assert row(found)["interval_upper"] == pytest.approx(np.sqrt(0.01 + CONFIDENCE**2 / 100.0) - 0.1, rel=0.1)
+    assert not any(sentence.startswith("a is") for sentence in found.unseen)
+
+
+def test_from_accelerations_alone_neither_mass_nor_forces_are_known(search):
+    """All of them by the same factor move as before; a deformation at which a plateau ends is known."""
+    truth, registry = toys.one_degree(), load()
+    mass = evolve(truth.parameters()["body.front.mass"], fixed=False)
+    runs = {name: tree.drop_nodes("film") for name, tree in search(truth, 1.0, noise=0.01).recordings.items()}
+    problem = Misfit(truth.with_parameters({"body.front.mass": mass}), runs, registry.spring_laws, registry.observers)
+    found = run(Sensitivity(), problem)
+    table = found.parameters.set_index(parameter="parameter")
+    for name in set(found.values) - {"joint.first.densification_deformation"}:
+        one = table.sel(parameter=name)
+        assert not one["identifiable"], name
+        assert one["interval_lower"] <= one["lower"] + 0.01 * one["value"] and one["interval_upper"] >= one["upper"], name
+    assert table.sel(parameter="joint.first.densification_deformation")["identifiable"]
 
 
 def test_intervals_of_repeated_tests_cover_as_often_as_they_say(search):
