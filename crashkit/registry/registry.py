@@ -116,6 +116,11 @@ class Registry:
         distributions = {failure.distribution for failure in self.failures}
         return f"{plural(len(distributions), 'plugin')} failed to load: run `crashkit plugins`" if distributions else ""
 
+    def source_of(self, implementation: type) -> str:
+        """The distribution that brought a class; of one that no plugin brought, its module."""
+        brought = (plugin.distribution for plugin in self.plugins if plugin.implementation is implementation)
+        return next(brought, implementation.__module__)
+
     def _named(self, base: type[Base]) -> dict[str, type[Base]]:
         return {plugin.name: plugin.implementation for plugin in self.plugins if issubclass(plugin.implementation, base)}
 
