@@ -50,7 +50,7 @@ def _load(entry_points: Iterable[EntryPoint]) -> Registry:
     clashes = list(_name_clashes(plugins))
     failures = [item for item in found if isinstance(item, Failure)] + [failure for _, failure in clashes]
     refused = [plugin for plugin, _ in clashes]
-    return Registry(tuple(plugin for plugin in plugins if plugin not in refused), tuple(failures))
+    return Registry(tuple(plugin for plugin in plugins if plugin not in refused), tuple(failures), tuple(refused))
 
 
 @frozen
