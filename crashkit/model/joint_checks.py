@@ -26,7 +26,7 @@ APART = 1e-9
 
 def joint_faults(joint: Joint, model: Model, laws: Laws, where: str) -> Iterator[Fault]:
     """Every fault of a joint of the model; `where` names it."""
-    known = [body.name for body in model.bodies if body.name]
+    known = list(dict.fromkeys(body.name for body in model.bodies if body.name))
     yield from _pair_faults(joint.bodies, known, f"{where}/bodies")
     yield from _pair_faults(joint.pushed, known, f"{where}/acts_on") if joint.acts_on else ()
     yield from _geometry_faults(joint, model, where)
