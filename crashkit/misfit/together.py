@@ -60,7 +60,7 @@ def _check_run(
 
 
 def _warn_of_strangers(name: str, tree: xr.DataTree, model: Model) -> None:
-    found = tree["initial"]["body"].values.tolist() if "initial" in tree.children else []
+    found = tree["initial"].coords["body"].values.tolist() if "initial" in tree.children else []
     known = [body.name for body in model.bodies]
     strangers = [body for body in found if body not in known]
     if strangers:
