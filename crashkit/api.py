@@ -40,6 +40,7 @@ from crashkit.report.held import Held, held_in
 from crashkit.report.identification import as_text, write_identification
 
 __all__ = [
+    "Identified",
     "check_files",
     "cross_check_file",
     "diagnose_files",
@@ -140,6 +141,8 @@ def _load(
     model: Path, runs: Sequence[Path], others: Sequence[Path]
 ) -> tuple[Model, dict[str, xr.DataTree], dict[str, xr.DataTree]]:
     """A model, the recordings to fit and those that are only predicted, each checked against it."""
+    if not runs:
+        raise CrashkitError("runs: expected at least one recording to fit, found none")
     counts = Counter(path.resolve() for path in (*runs, *others))
     given_twice = [path for path in (*runs, *others) if counts[path.resolve()] > 1]
     if given_twice:
@@ -166,10 +169,12 @@ def diagnose_files(
         holdout: recordings that are predicted, not fitted, unless only more physics explains them.
         output: folder for diagnosis.json, augmented_model.toml and index.html, made if need be; None: nothing is written.
         progress: told what is being done.
-        seconds: after which no further cause is asked for.
+        seconds: after which no further cause is asked for, above 0.
 
     Raises CrashkitError for files that cannot be used, with every fault.
     """
+    if not seconds > 0.0:
+        raise CrashkitError(f"seconds: expected a number above 0, found {seconds}")
     given, recordings, unseen = _load(_path(model), _paths(runs), _paths(holdout))
     folder = None if output is None else _path(output)
     with folder_to_fill(folder) if folder else nullcontext():

@@ -47,6 +47,22 @@ def raise_together(checks: Iterable[Callable[[], object]]) -> None:
         raise CrashkitError("\n".join(told))
 
 
+def one_line(error: BaseException) -> str:
+    """Another's error as part of a message: `ZeroDivisionError: division by zero`."""
+    return f"{type(error).__name__}: {' '.join(str(error).split())}".removesuffix(": ")
+
+
 def did_you_mean(found: str, known: Iterable[str]) -> str:
     """` (did you mean "crush_force"?)` where a known name is close to the one that was found; else nothing."""
     return "".join(f' (did you mean "{name}"?)' for name in get_close_matches(found, list(known), n=1))
+
+
+def claimed_twice(name: str, installed: object) -> str:
+    """` (claimed by acme.Foam of acme 1.0 and zeta.Foam of zeta 2.0: rename or uninstall one)`; else nothing.
+
+    Arguments:
+        name: that is not found.
+        installed: plugins by name, with those that share a name as its `clashes`, if it knows them.
+    """
+    claim = getattr(installed, "clashes", {}).get(name)
+    return f" (claimed by {claim}: rename or uninstall one)" if claim else ""

@@ -200,6 +200,18 @@ def test_what_is_no_path(ask):
         ask(wrong)
 
 
+@pytest.mark.parametrize("ask", [api.identify_files, api.diagnose_files])
+def test_no_recording_to_fit(given, ask):
+    with pytest.raises(CrashkitError, match="^runs: expected at least one recording to fit, found none$"):
+        ask(given / "model.toml", [])
+
+
+@pytest.mark.parametrize("seconds", [-1, 0, float("nan")])
+def test_a_time_limit_that_is_none(given, seconds):
+    with pytest.raises(CrashkitError, match=f"^seconds: expected a number above 0, found {seconds}$"):
+        api.diagnose_files(given / "model.toml", given / "run.nc", seconds=seconds)
+
+
 def test_what_need_not_be_said(quick, given, tmp_path, monkeypatch):
     """Nothing is held out, nobody follows, nothing is written."""
     monkeypatch.chdir(tmp_path)

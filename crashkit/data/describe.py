@@ -33,6 +33,7 @@ def _variable_row(variable: Variable) -> tuple[str, ...]:
         variable.meaning,
         *(["optional"] if not variable.required else []),
         *(["NaN where missing"] if variable.allow_nan else []),
+        *(["0 or more"] if not variable.allow_negative else []),
         *(["above 0"] if variable.positive else []),
         *(["0 or 1"] if variable.kind == "flag" else []),
     ]

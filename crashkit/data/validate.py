@@ -138,6 +138,7 @@ def _value_faults(dataset: xr.Dataset, variable: Variable, values: np.ndarray, p
     rules = [
         ("no NaN", "NaN", missing & ~empty & (not variable.allow_nan)),
         ("finite values", "infinite", np.isinf(values) & (not variable.allow_infinite)),
+        ("values of at least 0", "below 0", (values < 0) & (not variable.allow_negative)),
         ("values above 0", "not above 0", (values <= 0) & variable.positive),
         ("0 or 1", "neither", (values != 0) & (values != 1) & ~missing & (variable.kind == "flag")),
     ]

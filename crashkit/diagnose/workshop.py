@@ -1,23 +1,29 @@
 """What a diagnosis works with: the installed plugins, an identifier, and one compiled engine for every model it tries."""
 
-from collections.abc import Iterable, Mapping, Sequence
+import warnings
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from attrs import evolve, field, frozen
 
+from crashkit.diagnose.asked import check_models, proposed_by
+from crashkit.errors import CrashkitError
 from crashkit.mechanics import Engine, can_be_derived, compile_engine, functions_of
 from crashkit.misfit import Misfit
 from crashkit.misfit.predictor import STEP
 from crashkit.model import Model
 from crashkit.protocols import Hypothesis, Identifier, Observer, Proposal, Regression, Smoother, SpringLaw
+from crashkit.registry import load
 
 
 @frozen
 class Workshop:
     """The plugins by name, an identifier for every fit, one that looks everywhere for a first, two that need no simulation, to
-    find a start and a place, the engine and its step, s."""
+    find a start and a place, the engine and its step, s; the hypotheses that failed, which are not asked again by any workshop
+    that is made of this one."""
 
     laws: Mapping[str, type[SpringLaw]]
     observers: Mapping[str, type[Observer]]
@@ -29,6 +35,7 @@ class Workshop:
     locator: Regression[Any]
     engine: Engine | None = field(default=None)
     step: float = STEP
+    failed: set[str] = field(factory=set, eq=False, repr=False)
 
     def misfit(self, base: Misfit, model: Model) -> Misfit:
         """The misfit of another model to the same recordings, weighed alike."""
@@ -55,15 +62,32 @@ class Workshop:
         Compiling takes seconds, so it is done once: the hypotheses are asked beforehand, with a motion that excites all.
         """
         motion, recordings = [_lively_motion(model)], list(recordings)
-        models = [model, *(proposal.model for proposal in self.proposals(model, motion, recordings))]
+        proposals = self.proposals(model, motion, recordings)
+        for physics in self.hypotheses:
+            with self._leaving_out(physics):
+                check_models((one for one in proposals if one.physics == physics), model, self.laws)
+        models = [model, *(proposal.model for proposal in proposals if proposal.physics not in self.failed)]
         return self.equipped([*models, *(_side_by_side(one) for one in models)])
 
     def proposals(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """What the hypotheses say may be left out of a model, where the laws that it takes give sensitivities: a long curve
-        has no room for all that others have."""
-        own = functions_of(model, self.laws)
-        proposed = (p for kind in self.hypotheses.values() for p in kind().propose(model, motion, recordings))
-        return [p for p in proposed if all(map(can_be_derived, functions_of(p.model, self.laws) - own))]
+        has no room for all that others have. A hypothesis that fails is left out, with a warning."""
+        own, usable = functions_of(model, self.laws), []
+        for physics in (one for one in self.hypotheses if one not in self.failed):
+            with self._leaving_out(physics):
+                proposed = proposed_by(self.hypotheses[physics], model, motion, recordings)
+                usable += [p for p in proposed if all(map(can_be_derived, functions_of(p.model, self.laws) - own))]
+        return usable
+
+    @contextmanager
+    def _leaving_out(self, physics: str) -> Iterator[None]:
+        """A hypothesis that does something wrong is not asked again, and that is told once."""
+        try:
+            yield
+        except CrashkitError as error:
+            self.failed.add(physics)
+            source = load().source_of(self.hypotheses[physics])
+            warnings.warn(f"hypothesis {physics} of {source}: {error}; left out", stacklevel=2)
 
 
 def _side_by_side(model: Model) -> Model:

@@ -7,7 +7,7 @@ import xarray as xr
 from attrs import evolve, frozen
 
 from crashkit.data.channel_filter import frequency_class
-from crashkit.errors import CrashkitError
+from crashkit.errors import CrashkitError, claimed_twice
 from crashkit.misfit.noise import HALF, Noise, channel_noise, filtered_std
 from crashkit.model import Model
 from crashkit.protocols import Observer
@@ -94,8 +94,9 @@ def groups_of(run: str, recording: xr.DataTree, observers: Mapping[str, type[Obs
             continue
         kind = str(node.attrs["observer"])
         if kind not in observers:
+            found = f"{kind}{claimed_twice(kind, observers)}"
             raise CrashkitError(
-                f"{run}: {name}: expected an installed observer ({', '.join(sorted(observers))}), found {kind}"
+                f"{run}: {name}: expected an installed observer ({', '.join(sorted(observers))}), found {found}"
             )
         observer = observers[kind]()
         dataset = _along(run, name, observer, node.to_dataset(inherit=False), model)

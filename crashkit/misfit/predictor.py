@@ -1,7 +1,7 @@
 """What a model predicts that the instruments of some recordings would read."""
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 import xarray as xr
@@ -11,6 +11,7 @@ from crashkit.mechanics import Simulator
 from crashkit.mechanics.kernel.arrays import Floats, Record
 from crashkit.mechanics.repeated_run import RepeatedRun
 from crashkit.misfit.channel import Channel, Group
+from crashkit.misfit.observed import predicted_by, values_of
 from crashkit.misfit.readout import Readout, readout_of
 from crashkit.model import Model
 from crashkit.protocols import SensorErrors
@@ -135,14 +136,15 @@ class Predictor:
         return Prediction(samples, self._table(group, read.slope, read.by_error, wanted) if sensitivities else None)
 
     def _observe(self, group: Group, motion: xr.Dataset, values: Floats, sensitivities: bool) -> Prediction:
-        observer = group.observer
-        read = observer.predict(motion, group.dataset, self._errors(group, values)).variables
-        samples = read[observer.quantity].values.reshape(group.recorded.shape)
+        observer, place, quantity = group.observer, f"{group.run}/{group.name}", group.observer.quantity
+        read = predicted_by(observer, place, motion, group.dataset, self._errors(group, values))
+        take = partial(values_of, observer, place, read, like=group.dataset.variables[quantity])
+        samples = take(quantity, more=()).reshape(group.recorded.shape)
         if not sensitivities:
             return Prediction(samples, None)
-        slope = read[f"{observer.quantity}_sensitivity"].values if self._columns else None
+        slope = take(f"{quantity}_sensitivity", more=("parameter",)) if self._columns else None
         errors = [spec.name for spec in observer.errors] if group.name in self._wrong else []
-        by_error = read[f"{observer.quantity}_error_sensitivity"].values if errors else np.empty((*samples.shape, 0))
+        by_error = take(f"{quantity}_error_sensitivity", more=("error",)) if errors else np.empty((*samples.shape, 0))
         return Prediction(samples, self._table(group, slope, by_error, errors))
 
     def _errors(self, group: Group, values: Floats) -> SensorErrors:

@@ -1,11 +1,13 @@
 """Whether a model and its recordings belong together: told before any work is done with them."""
 
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from itertools import combinations
 
 import xarray as xr
 
+from crashkit.data.validate import names
 from crashkit.errors import ContractError, CrashkitError, Fault, raise_together
 from crashkit.misfit.channel import Group, groups_of
 from crashkit.model import Model
@@ -19,12 +21,16 @@ def check_together(
 ) -> None:
     """Refuse what `check_runs` does, and instruments of the model that are in no recording; else like it.
 
+    States of bodies that the model does not have, which are not used, are warned of.
+
     Arguments:
         source: the model's file.
     """
     faults = list(_instrument_faults(model, check_runs(model, recordings, observers)))
     if faults:
         raise ContractError(source, faults)
+    for name, tree in recordings.items():
+        _warn_of_strangers(name, tree, model)
 
 
 def check_runs(model: Model, recordings: Mapping[str, xr.DataTree], observers: Mapping[str, type[Observer]]) -> list[Group]:
@@ -51,6 +57,15 @@ def _check_run(
 ) -> None:
     check_recording_against_model(tree, model, name)
     groups.extend(groups_of(name, tree, observers, model))
+
+
+def _warn_of_strangers(name: str, tree: xr.DataTree, model: Model) -> None:
+    found = tree["initial"].coords["body"].values.tolist() if "initial" in tree.children else []
+    known = [body.name for body in model.bodies]
+    strangers = [body for body in found if body not in known]
+    if strangers:
+        expected = f"expected bodies of the model ({names(known)})"
+        warnings.warn(f"{name}: initial/body: {expected}, found {names(strangers)}, which is not used", stacklevel=3)
 
 
 def _check_copies(recordings: Mapping[str, xr.DataTree]) -> None:

@@ -37,7 +37,7 @@ def body_faults(body: Body, model: Model, where: str) -> Iterator[Fault]:
     axes = len(model.axes)
     yield from vector_faults(body.position, axes, f"{where}/position")
     yield from vector_faults(body.velocity, axes, f"{where}/velocity")
-    others = [other.name for other in model.bodies if other.name not in ("", body.name)]
+    others = list(dict.fromkeys(other.name for other in model.bodies if other.name not in ("", body.name)))
     if body.carrier and body.carrier not in others:
         yield Fault(f"{where}/carrier", f"one of {names(others) or 'no bodies'}", shown(body.carrier))
     yield from _mass_faults(body, where)

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from crashkit.data.validate import names, shown
-from crashkit.errors import Fault
+from crashkit.errors import Fault, claimed_twice
 from crashkit.model.body import Body
 from crashkit.model.choice import choice_fault
 from crashkit.model.joint import Joint
@@ -26,7 +26,7 @@ APART = 1e-9
 
 def joint_faults(joint: Joint, model: Model, laws: Laws, where: str) -> Iterator[Fault]:
     """Every fault of a joint of the model; `where` names it."""
-    known = [body.name for body in model.bodies if body.name]
+    known = list(dict.fromkeys(body.name for body in model.bodies if body.name))
     yield from _pair_faults(joint.bodies, known, f"{where}/bodies")
     yield from _pair_faults(joint.pushed, known, f"{where}/acts_on") if joint.acts_on else ()
     yield from _geometry_faults(joint, model, where)
@@ -115,6 +115,9 @@ def _unknown_law(name: str, kind: str, installed: Sequence[str], laws: Laws, whe
     """Of laws that are combined, the one that is misspelt is told."""
     parts = SIGN.split(name)
     misspelt = [part for part in parts if part not in laws]
+    claims = [f"{shown(part)}{claim}" for part in misspelt if (claim := claimed_twice(part, laws))]
+    if claims:
+        return Fault(where, f"one of the installed {kind}", claims[0])
     if len(parts) == 1 or misspelt:
         return choice_fault(where, f"installed {kind}", misspelt[0], laws if len(parts) > 1 else installed)
     return Fault(where, f"{kind} that can be combined like this, of the installed {kind} ({names(installed)})", shown(name))

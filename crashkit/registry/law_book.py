@@ -40,6 +40,7 @@ class LawBook(Mapping[str, type[SpringLaw]]):
 
     def __init__(self, laws: Laws) -> None:
         self._laws = dict(laws)
+        self.clashes: Mapping[str, str] = getattr(laws, "clashes", {})
 
     def __getitem__(self, name: str) -> type[SpringLaw]:
         if name in self._laws:

@@ -15,6 +15,7 @@ from typing import Any
 from attrs import frozen
 from pluggy import PluginManager
 
+from crashkit.errors import one_line
 from crashkit.registry import hookspecs
 from crashkit.registry.kinds import KINDS, Kind
 from crashkit.registry.registry import Failure, Plugin, Registry, class_name
@@ -49,7 +50,7 @@ def _load(entry_points: Iterable[EntryPoint]) -> Registry:
     clashes = list(_name_clashes(plugins))
     failures = [item for item in found if isinstance(item, Failure)] + [failure for _, failure in clashes]
     refused = [plugin for plugin, _ in clashes]
-    return Registry(tuple(plugin for plugin in plugins if plugin not in refused), tuple(failures))
+    return Registry(tuple(plugin for plugin in plugins if plugin not in refused), tuple(failures), tuple(refused))
 
 
 @frozen
@@ -106,7 +107,7 @@ def _read(source: _Source) -> Iterator[Plugin | Failure]:
         module = source.entry_point.load()
         manager.register(module)
     except (Exception, SystemExit) as error:
-        yield source.failure(f"{source.entry_point.value} cannot be imported: {_one_line(error)}")
+        yield source.failure(f"{source.entry_point.value} cannot be imported: {one_line(error)}")
         return
     callers = manager.get_hookcallers(module) or []
     if not callers:
@@ -124,7 +125,7 @@ def _call(source: _Source, kind: Kind, hook: Callable[[], Any]) -> Iterator[Plug
     try:
         classes = hook()
     except (Exception, SystemExit) as error:
-        yield source.failure(f"its hook {kind.hook} failed: {_one_line(error)}")
+        yield source.failure(f"its hook {kind.hook} failed: {one_line(error)}")
         return
     if not isinstance(classes, list):
         yield source.failure(f"its hook {kind.hook} returned {classes!r}: expected a list of classes")
@@ -165,7 +166,3 @@ def _name_clashes(plugins: Iterable[Plugin]) -> Iterator[tuple[Plugin, Failure]]
                     plugin,
                     Failure(plugin.distribution, plugin.version, f"{claim}: neither is used, rename or uninstall one"),
                 )
-
-
-def _one_line(error: BaseException) -> str:
-    return f"{type(error).__name__}: {' '.join(str(error).split())}"

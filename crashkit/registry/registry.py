@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 
 from attrs import frozen
 
-from crashkit.errors import CrashkitError, did_you_mean
+from crashkit.errors import CrashkitError, claimed_twice, did_you_mean
 from crashkit.protocols import Hypothesis, Identifier, Importer, Observer, Regression, Smoother, SpringLaw
 from crashkit.registry.law_book import LawBook
 
@@ -39,12 +39,24 @@ class Failure:
         return f"{self.distribution} {self.version}: {self.reason}"
 
 
+class Installed(dict[str, type[Base]]):
+    """Plugins of one kind by name; `clashes` tells of a name that several claim, so that none is used, who they are."""
+
+    def __init__(self, plugins: Iterable[Plugin], clashing: Iterable[Plugin]) -> None:
+        super().__init__({plugin.name: plugin.implementation for plugin in plugins})
+        self.clashes: dict[str, str] = {}
+        for plugin in clashing:
+            self.clashes[plugin.name] = " and ".join(filter(None, [self.clashes.get(plugin.name), str(plugin)]))
+
+
 @frozen(repr=False)
 class Registry:
-    """Every plugin that loaded and every failure, in the order of their distributions' names."""
+    """Every plugin that loaded and every failure, in the order of their distributions' names; and the plugins that are
+    refused, as they share a name."""
 
     plugins: tuple[Plugin, ...]
     failures: tuple[Failure, ...]
+    clashing: tuple[Plugin, ...] = ()
 
     def __repr__(self) -> str:
         counts = Counter(plugin.kind for plugin in self.plugins)
@@ -116,12 +128,17 @@ class Registry:
         distributions = {failure.distribution for failure in self.failures}
         return f"{plural(len(distributions), 'plugin')} failed to load: run `crashkit plugins`" if distributions else ""
 
-    def _named(self, base: type[Base]) -> dict[str, type[Base]]:
-        return {plugin.name: plugin.implementation for plugin in self.plugins if issubclass(plugin.implementation, base)}
+    def source_of(self, implementation: type) -> str:
+        """The distribution that brought a class; of one that no plugin brought, its module."""
+        brought = (plugin.distribution for plugin in self.plugins if plugin.implementation is implementation)
+        return next(brought, implementation.__module__)
+
+    def _named(self, base: type[Base]) -> Installed[Base]:
+        return Installed(*([p for p in some if issubclass(p.implementation, base)] for some in (self.plugins, self.clashing)))
 
     def _find(self, kind: str, installed: Mapping[str, type[Base]], name: str) -> type[Base]:
         if name not in installed:
-            hint = did_you_mean(name, installed)
+            hint = claimed_twice(name, installed) or did_you_mean(name, installed)
             message = f'no {kind} "{name}" is installed{hint or f", expected {one_of(installed)}"}'
             raise CrashkitError(f"{message} ({self.warning})" if self.failures else message)
         return installed[name]

@@ -12,6 +12,7 @@ from crashkit.mechanics import Engine, LawFunction, Simulator, compile_engine, f
 from crashkit.mechanics.laws.emit import emit
 from crashkit.misfit import Misfit
 from crashkit.model import Model
+from crashkit.model.checks import model_faults
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit.registry import load
 from crashkit.testing import toys
@@ -98,6 +99,19 @@ class HypothesisContract:
                 for path, parameter in proposal.model.at(start).free_parameters().items():
                     inside = parameter.lower <= parameter.value <= parameter.upper
                     assert inside, f"{_name(proposal)}: {path} starts outside its bounds, at {parameter.value:g}"
+
+    def test_every_model_can_be_simulated(self, proposals: list[Proposal], recordings: Mapping[str, xr.DataTree]) -> None:
+        for proposal in proposals:
+            faults = model_faults(proposal.model, load().spring_laws)
+            assert not faults, f"{_name(proposal)}: {faults[0]}"
+        engine = _engine([proposal.model for proposal in proposals])
+        for proposal in proposals:
+            begun = proposal.model.at(next(iter(proposal.starts), {}))
+            try:
+                found = _readings(begun, recordings, engine)
+            except CrashkitError as error:
+                pytest.fail(f"{_name(proposal)}: expected a model that can be simulated, found {error}", pytrace=False)
+            assert np.isfinite(found).all(), f"{_name(proposal)}: expected finite readings, found some that are not"
 
     def test_the_null_is_of_the_new_parameters(self, proposals: list[Proposal]) -> None:
         for proposal in proposals:

@@ -42,6 +42,11 @@ class ObserverContract:
         assert observer.channel in instrument[observer.quantity].dims
         assert observer.quantity in [variable.name for variable in observer.schema.variables]
 
+    def test_standard_deviations_are_above_0(self, observer: Observer) -> None:
+        name = f"{observer.quantity}_std"
+        loose = [variable for variable in observer.schema.variables if variable.name == name and not variable.positive]
+        assert not loose, f"{name}: expected it declared with positive=True, as crashkit.data.schemas.std_of does"
+
     def test_errors_are_declared_with_their_null(self, observer: Observer) -> None:
         names = [spec.name for spec in observer.errors]
         assert len(set(names)) == len(names)

@@ -12,7 +12,9 @@ from crashkit.mechanics.laws.source import OutsideSubset, state_of
 from crashkit.protocols import ParameterSpec, SpringLaw
 from crashkit.testing.spring_law_probe import SEEDS, Derived, Point, Probe, Values, branch_end, largest_jump, where
 
-UNIT = re.compile(r"1|[A-Za-z]+(-?\d+)?( [A-Za-z]+(-?\d+)?)*")
+SYMBOLS = ("kg", "m", "s", "rad", "N", "J", "W", "Pa", "K")
+"""Of SI units without prefixes: nothing is converted anywhere."""
+UNIT = re.compile(r"1|{0}( {0})*".format(rf"({'|'.join(SYMBOLS)})(-?\d+)?"))
 REST: Point = (0.0, 0.0, 0.0, 0.0)
 SMALL = 1e-6
 """A jump that is none, relative to the largest value."""
@@ -80,6 +82,9 @@ class SpringLawContract:
             assert found == expected, f"the arguments of {part}: expected {', '.join(expected)}, found {', '.join(found)}"
 
     def test_names_and_units_are_those_of_the_data_contract(self, law: type[SpringLaw]) -> None:
+        assert law.name.isidentifier(), (
+            f'the name of {law.__name__}: expected an identifier, as a space or a sign combines laws, found "{law.name}"'
+        )
         assert law.unit in ("N", "1"), f'the unit of {law.name}: expected "N" (a law) or "1" (a factor), found "{law.unit}"'
         assert law.memory == "" or law.memory.isidentifier(), (
             f"the memory of {law.name}: expected an identifier, found {law.memory!r}"
@@ -87,7 +92,7 @@ class SpringLawContract:
         for spec in law.parameters:
             assert spec.name.isidentifier(), f"the name of a parameter: expected an identifier, found {spec.name!r}"
             assert UNIT.fullmatch(spec.unit), (
-                f'the unit of {spec.name}: expected a CF unit such as "N m-1", found "{spec.unit}"'
+                f'the unit of {spec.name}: expected an SI unit of {", ".join(SYMBOLS)} such as "N m-1", found "{spec.unit}"'
             )
             assert spec.meaning, f"the meaning of {spec.name}: expected a phrase, found none"
 

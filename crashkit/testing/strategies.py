@@ -127,7 +127,8 @@ def _values(draw: st.DrawFn, variable: Variable, shape: tuple[int, ...]) -> np.n
         return draw(arrays("<U12", shape, elements=names()))
     if variable.kind == "flag":
         return draw(arrays(np.int8, shape, elements=st.integers(0, 1)))
-    values = draw(arrays(float, shape, elements=st.floats(1e-6, _LARGE) if variable.positive else _NUMBERS))
+    least = 1e-6 if variable.positive else -_LARGE if variable.allow_negative else 0.0
+    values = draw(arrays(float, shape, elements=st.floats(least, _LARGE)))
     if variable.allow_nan and shape and shape[0] > 1:
         values[draw(st.integers(1, shape[0] - 1))] = np.nan
     return values

@@ -8,6 +8,7 @@ from crashkit.data.describe import describe, describe_dimensions
 from crashkit.data.schemas import INITIAL, MOTION, RECORDING
 from crashkit.model.dataset import MODEL
 from crashkit.model.toml import read_model
+from crashkit.registry import load
 
 PAGE = Path(__file__).parents[2] / "docs" / "data.md"
 
@@ -33,6 +34,14 @@ def test_a_schema_as_tables(schemas):
 @pytest.mark.parametrize("schema", [MOTION, RECORDING, INITIAL, MODEL], ids=lambda schema: schema.name)
 def test_the_page_has_the_tables_that_are_checked(schema):
     assert describe(schema) in PAGE.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("page", "observer"),
+    [("accelerometers", "accelerometer"), ("accelerometers", "load_cell"), ("cameras", "camera"), ("cameras", "film")],
+)
+def test_the_pages_of_the_instruments_have_the_tables_that_are_checked(page, observer):
+    assert describe(load().observer(observer).schema) in PAGE.with_stem(page).read_text(encoding="utf-8")
 
 
 def test_the_page_has_the_dimensions():

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from crashkit.errors import CrashkitError
 from crashkit.misfit.together import check_together
@@ -65,3 +66,13 @@ def test_a_copy_under_another_name_is_no_other_run(check, model, run):
         check(model, run=run, copy=copy)
     copy["film"]["position"] = copy["film"]["position"] + np.float64(1e-6)
     check(model, run=run, copy=copy)
+
+
+def test_a_state_of_a_body_that_the_model_lacks_is_warned_of(check, model, run, changed):
+    def joined(initial):
+        return xr.concat([initial, initial.isel(body=[0]).assign_coords(body=["trunk"])], "body", join="outer")
+
+    more = changed(run, "initial", joined)
+    message = r'^more: initial/body: expected bodies of the model \("wall", "front"\), found "trunk", which is not used$'
+    with pytest.warns(UserWarning, match=message):
+        check(model, run=run, more=more)

@@ -1,9 +1,10 @@
 import pytest
 import xarray as xr
+from attrs import evolve
 
 from crashkit.errors import ContractError
 from crashkit.model import Body, GivenMotion, Joint, Model, Parameter
-from crashkit.model.checks import check_model, check_recording_against_model
+from crashkit.model.checks import check_model, check_recording_against_model, model_faults
 
 
 @pytest.fixture
@@ -33,6 +34,16 @@ def recording(bodies: list[str], initial: list[str], axis: str = "x") -> xr.Data
 def test_a_free_mass_must_not_fall_below_zero(model, laws):
     with pytest.raises(ContractError, match=r'^sled: body "engine"/mass: expected a lower bound of at least 0, found -inf$'):
         check_model(model, laws, "sled")
+
+
+def test_a_name_that_two_bodies_bear_is_told_once(model, laws):
+    twice = evolve(model, bodies=(*model.bodies[:2], evolve(model.bodies[2], name="engine", carrier="door")))
+    joined = evolve(twice, joints=(evolve(model.joints[0], bodies=("barrier", "body")),))
+    assert [str(fault) for fault in model_faults(joined, laws) if "lower bound" not in str(fault)][:3] == [
+        'body: expected names without repeats, found "engine" 2 times',
+        'body "engine"/carrier: expected one of "barrier", found "door"',
+        'joint "front"/bodies: expected one of "barrier", "engine", found "body"',
+    ]
 
 
 def test_a_program_may_leave_out_what_has_a_default(model, laws):

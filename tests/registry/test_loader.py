@@ -1,15 +1,22 @@
 """The loader, with distributions that are nothing but a folder on the path."""
 
+import re
 import sys
 from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
 
+import numpy as np
 import pytest
+from attrs import evolve
 
 from crashkit.errors import CrashkitError
+from crashkit.mechanics import Simulator
+from crashkit.misfit.together import check_runs
+from crashkit.model.checks import model_faults
 from crashkit.registry import Registry, load
 from crashkit.registry.kinds import KINDS
+from crashkit.testing import toys
 
 Install = Callable[..., None]
 
@@ -30,6 +37,20 @@ class {cls}(SpringLaw):
 @hookimpl
 def crashkit_spring_laws():
     return [{cls}]
+"""
+
+LASER = """
+from crashkit_cameras import Film
+from crashkit.registry import hookimpl
+
+
+class Laser(Film):
+    name = "laser"
+
+
+@hookimpl
+def crashkit_observers():
+    return [Laser]
 """
 
 
@@ -190,6 +211,31 @@ def test_a_name_that_two_distributions_claim_is_refused_to_both(install, install
         'zeta 2.0: zeta.ZetaLinear is called spring law "linear" as is acme.AcmeLinear of acme 1.0: '
         "neither is used, rename or uninstall one",
     ]
+
+
+def test_a_name_that_two_distributions_claim_is_told_where_it_is_used(install, installed):
+    install("acme", law("linear", "AcmeLinear"))
+    install("zeta", law("linear", "ZetaLinear"), version="2.0")
+    install("other", law("lineal"))
+    claim = r"\(claimed by acme.AcmeLinear of acme 1.0 and zeta.ZetaLinear of zeta 2.0: rename or uninstall one\)"
+    with pytest.raises(CrashkitError, match=rf'^no spring law "linear" is installed {claim} \(2 plugins failed to load: '):
+        installed().spring_law("linear")
+    model = toys.one_degree()
+    for name in ("linear", "lineal + linear"):
+        clashing = evolve(model, joints=(evolve(model.joints[0], law=name),))
+        faults = [str(fault) for fault in model_faults(clashing, installed().spring_laws)]
+        assert re.fullmatch(rf'joint "first"/law: expected one of the installed laws, found "linear" {claim}', faults[0])
+
+
+def test_an_observer_that_two_distributions_claim_is_told_where_it_is_used(install, installed):
+    model = toys.one_degree()
+    tree = toys.recording(Simulator(model, load().spring_laws).run(np.linspace(0.0, 0.01, 11)))
+    tree["film"].attrs["observer"] = "laser"
+    for name in ("acme", "zeta"):
+        install(name, LASER)
+    found = r"found laser \(claimed by acme.Laser of acme 1.0 and zeta.Laser of zeta 1.0: rename or uninstall one\)"
+    with pytest.raises(CrashkitError, match=rf"^run: film: expected an installed observer \(\), {found}$"):
+        check_runs(model, {"run": tree}, installed().observers)
 
 
 def test_an_entry_point_of_two_distributions_belongs_to_the_one_that_bears_its_name(install, installed):

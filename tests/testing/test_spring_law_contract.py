@@ -69,7 +69,22 @@ FAULTS = [
     (
         "test_names_and_units_are_those_of_the_data_contract",
         spoilt(parameters=(ParameterSpec("stiffness", "N/m", "slope"),)),
-        'the unit of stiffness: expected a CF unit such as "N m-1", found "N/m"',
+        'the unit of stiffness: expected an SI unit of kg, m, .* such as "N m-1", found "N/m"',
+    ),
+    (
+        "test_names_and_units_are_those_of_the_data_contract",
+        spoilt(parameters=(ParameterSpec("stiffness", "N mm-1", "slope"),)),
+        'the unit of stiffness: expected an SI unit of kg, m, .*, found "N mm-1"',
+    ),
+    (
+        "test_names_and_units_are_those_of_the_data_contract",
+        spoilt(name="log + foam"),
+        'the name of Spoilt: expected an identifier, as a space or a sign combines laws, found "log [+] foam"',
+    ),
+    (
+        "test_names_and_units_are_those_of_the_data_contract",
+        spoilt(name="log foam"),
+        'the name of Spoilt: expected an identifier, .*, found "log foam"',
     ),
     (
         "test_names_and_units_are_those_of_the_data_contract",

@@ -42,7 +42,14 @@ class Accelerometer(PlainObserver):
             Variable(
                 "sensor_point", ("sensor", "axis"), "m", "the sensor's place in the body's frame, from the centre of mass"
             ),
-            Variable("acceleration_std", ("sensor",), "m s-2", "standard deviation of a sample as recorded", required=False),
+            Variable(
+                "acceleration_std",
+                ("sensor",),
+                "m s-2",
+                "standard deviation of a sample as recorded",
+                required=False,
+                positive=True,
+            ),
         ),
         (
             CHANNEL_FREQUENCY_CLASS,

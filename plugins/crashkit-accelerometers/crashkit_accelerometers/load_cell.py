@@ -32,7 +32,9 @@ class LoadCell(PlainObserver):
         (
             Variable("force", DIMS, "N", "the force that the body receives, in the laboratory frame", allow_nan=True),
             Variable("sensor_body", ("sensor",), None, "the body that receives the force", kind="text"),
-            Variable("force_std", ("sensor",), "N", "standard deviation of a sample as recorded", required=False),
+            Variable(
+                "force_std", ("sensor",), "N", "standard deviation of a sample as recorded", required=False, positive=True
+            ),
         ),
         (CHANNEL_FREQUENCY_CLASS,),
     )

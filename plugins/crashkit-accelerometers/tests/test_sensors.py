@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 
 from crashkit.data.channel_filter import filter_channel
+from crashkit.data.validate import faults_of
 from crashkit.errors import CrashkitError
 from crashkit.testing.observer_contract import ObserverContract
 from crashkit_accelerometers import Accelerometer, LoadCell
@@ -220,3 +221,18 @@ def test_a_load_cell_does_not_feel_what_holds_its_body_from_behind(ground: float
     )
     felt = LoadCell().predict(motion, load_cell_at(np.array([0.0, 0.01])))["force"]
     assert felt.values.ravel().tolist() == [100.0, 100.0]
+
+
+@pytest.mark.parametrize("std", [-1.0, 0.0])
+def test_a_standard_deviation_that_is_not_above_0_is_refused(std: float) -> None:
+    times = np.arange(11) * 1e-3
+    given = {"acceleration_std": (Accelerometer(), accelerometer_at(times)), "force_std": (LoadCell(), load_cell_at(times))}
+    for name, (observer, group) in given.items():
+        group["time"].attrs["units"] = "s"
+        assert faults_of(group, observer.schema) == []
+        group[name][0] = std
+        first = str(group["sensor"].values[0])
+        assert [str(fault) for fault in faults_of(group, observer.schema)] == [
+            f"{observer.name}/{name}: expected values above 0, found 1 of {group[name].size} values not above 0, "
+            f'the first at sensor "{first}"'
+        ]

@@ -49,6 +49,7 @@ class Camera(Observer):
                 "m",
                 "standard deviation of the control point's survey; 0 if omitted",
                 required=False,
+                allow_negative=False,
             ),
             Variable(
                 "image_size",

@@ -78,6 +78,18 @@ def test_a_camera_group_is_described_and_what_is_missing_is_named(space) -> None
     assert "control_image" in faults[1]
 
 
+def test_a_survey_may_be_exact_and_no_standard_deviation_is_below_0(space) -> None:
+    group = stated(make_laboratory().record(space(NODES), MARKERS, FRAMES))
+    exact = group.assign(control_position_std=("control_point", np.zeros(group.sizes["control_point"]), {"units": "m"}))
+    assert faults_of(exact, Camera.schema) == []
+    exact["control_position_std"][2] = -1e-3
+    exact["image_position_std"][0] = 0.0
+    assert [str(fault).partition("found ")[0] for fault in faults_of(exact, Camera.schema)] == [
+        "camera/image_position_std: expected values above 0, ",
+        "camera/control_position_std: expected values of at least 0, ",
+    ]
+
+
 def test_without_noise_the_prediction_is_what_the_true_cameras_see(any_motion) -> None:
     group = make_laboratory(3, 30, seed=2).record(any_motion(NODES), MARKERS, FRAMES)
     predicted = Camera().predict(any_motion(NODES), group)

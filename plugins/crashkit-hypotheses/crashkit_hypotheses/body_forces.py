@@ -23,16 +23,17 @@ class AddedMass(Hypothesis):
     sentence: ClassVar[str] = "the mass of {place} is wrong"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Every moving body whose mass is not identified already, if something fixes the scale of forces."""
-        moving = [(body, body.mass.value) for body in model.bodies if body.mass is not None and body.mass.fixed]
+        """Every moving body whose mass is not identified already, if something fixes the scale of forces; within the bounds of
+        that mass, which whoever weighed it has given."""
+        moving = [(body, body.mass) for body in model.bodies if body.mass is not None and body.mass.fixed]
         if len(moving) < 2 and not forces_recorded(recordings):
             return []
-        return [self._heavier(model, body, mass) for body, mass in moving]
+        return [self._heavier(model, body, mass) for body, mass in moving if mass.lower < mass.upper]
 
-    def _heavier(self, model: Model, body: Body, mass: float) -> Proposal:
-        free = Parameter(mass, 0.3 * mass, 3.0 * mass)
+    def _heavier(self, model: Model, body: Body, mass: Parameter) -> Proposal:
+        free = Parameter(mass.value, max(0.3 * mass.value, mass.lower), min(3.0 * mass.value, mass.upper))
         augmented = model.with_parameters({f"body.{body.name}.mass": free})
-        heavier = Effect(self.physics, "constant", "", {"mass": free}, "mass", null=mass)
+        heavier = Effect(self.physics, "constant", "", {"mass": free}, "mass", null=mass.value)
         return proposal(augmented, {"body": body.name}, f"body.{body.name}.", heavier)
 
 

@@ -129,6 +129,19 @@ def test_a_mass_that_is_identified_already_is_not_doubted(propose):
     assert propose("added_mass", toys.two_degrees()) == []
 
 
+def test_a_mass_that_was_weighed_is_doubted_within_its_bounds(model, propose):
+    weighed = model.parameters()["body.rear.mass"].value
+
+    def claimed(lower, upper):
+        bounded = model.with_parameters({"body.rear.mass": Parameter(weighed, lower, upper, fixed=True)})
+        proposals = {p.location["body"]: p.model.parameters()["body.rear.mass"] for p in propose("added_mass", bounded)}
+        return (proposals["rear"].lower, proposals["rear"].upper) if "rear" in proposals else None
+
+    assert claimed(0.99 * weighed, 1.01 * weighed) == (0.99 * weighed, 1.01 * weighed)
+    assert claimed(0.99 * weighed, np.inf) == (0.99 * weighed, 3.0 * weighed)
+    assert claimed(weighed, weighed) is None
+
+
 def test_a_joint_that_is_never_compressed_hides_nothing(propose, runs):
     still = [run.assign(deformation=run["deformation"] * [1.0, 0.0]) for run in runs]
     pressed = ("bottoming", "peak_load", "viscous_damping", "joint_friction", "unknown", "plastic_unloading", "relaxation")
