@@ -7,6 +7,7 @@ from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import STEPS, Search, advance_all, begin, begin_all
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
+from crashkit.protocols import Proposal
 
 
 def alone_again(search: Search, misfits: Sequence[Misfit]) -> Search:
@@ -28,11 +29,19 @@ def rebuild(workshop: Workshop, base: Search, rivals: Sequence[Rival], last: Sea
         proposal = next((p for p in propose_all(workshop, current) if is_same(p, rival.proposal)), None)
         if proposal is None:
             return None
-        # It stands in the law of its joint or beside it, as others there leave room: its numbers may have had other paths.
-        paths |= zip(proposal.parameters, rival.proposal.parameters, strict=True)
+        paths |= _earlier_paths(proposal, rival.proposal)
         found = {**rival.search.values, **last.values}
         misfit = workshop.equipped([proposal.model]).misfit(current, proposal.model)
         before = {name: name if name in found else paths.get(name, "") for name in misfit.names}
         start = {name: found[path] for name, path in before.items() if path in found}
         search = begin(workshop.identifier, misfit.with_values(start)).advance(STEPS)
     return search
+
+
+def _earlier_paths(proposal: Proposal, earlier: Proposal) -> dict[str, str]:
+    """The paths that the numbers of a claim have had: it stands in the law of its joint or beside it, as others leave room.
+
+    A claim about how high the sensors are has more numbers where more of them are believed, each at a path of its own.
+    """
+    new, old = proposal.parameters, earlier.parameters
+    return dict(zip(new, old, strict=True)) if len(new) == len(old) else {}

@@ -54,7 +54,8 @@ def _instruments_first(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery:
 
 
 def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | None:
-    """What the instruments that agree say of the structure, and then what is wrong with the others; None if that fails."""
+    """What the instruments that agree say of the structure, and then what is wrong with the others; None if that fails, or if
+    they say what all of them read, as of a body that turns."""
     workshop, given = inquiry.workshop, inquiry.given
     rest = workshop.first_misfit(given.model, without(given.recordings, set_aside)).with_prior(given.prior.std)
     if not rest.groups:
@@ -62,6 +63,8 @@ def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | Non
     believed = Inquiry(workshop, rest, reidentify(workshop, rest), inquiry.progress)
     structure = explored(believed)
     findings = list(structure.findings)
+    if any(map(_says_what_sensors_read, findings)):
+        return None
     search = inquiry.fit_with([look.leader for look in findings], structure.search)
     if search is None:
         return None
@@ -78,6 +81,10 @@ def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | Non
         findings.append(in_time(look, settled, unbent, look, look.winner, found))
         search = findings[-1].leader.search
     return Discovery.of(inquiry.base, search, tuple(findings))
+
+
+def _says_what_sensors_read(look: Look) -> bool:
+    return any(path.startswith("instrument.") for path in look.leader.proposal.parameters)
 
 
 def _concern(waiting: Sequence[Suspect], proposal: Proposal, model: Model) -> bool:

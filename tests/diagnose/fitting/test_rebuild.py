@@ -2,7 +2,7 @@
 
 import pytest
 
-from crashkit.diagnose.fitting.rebuild import alone_again, rebuild
+from crashkit.diagnose.fitting.rebuild import _earlier_paths, alone_again, rebuild
 from crashkit.diagnose.fitting.search import begin
 from crashkit.testing import toys
 
@@ -41,3 +41,12 @@ def test_two_findings_in_one_joint_keep_their_numbers_whichever_stands_in_its_la
     assert turned.misfit.model.joint("first").law == "crush_plateau + folding"
     assert turned.values["joint.first.amplitude"] == pytest.approx(8e3, rel=0.15)
     assert turned.values["joint.first_peak_load.peak_force"] == pytest.approx(4e4, rel=0.05)
+
+
+def test_a_claim_about_more_sensors_than_before_keeps_the_paths_of_its_numbers(misfit, recorded, model, claim):
+    run = recorded(model)
+    all_of_them = claim(misfit(model, run=run), "rotation", "rocking").proposal
+    one = claim(misfit(model, run=run.drop_nodes("accelerometer")), "rotation", "rocking").proposal
+    assert len(one.parameters) < len(all_of_them.parameters)
+    assert _earlier_paths(all_of_them, one) == {}
+    assert _earlier_paths(one, one) == dict(zip(one.parameters, one.parameters, strict=True))
