@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from attrs import evolve
+from scipy.special import softmax
 
 from crashkit.diagnose.claims import identity, propose_all
 from crashkit.diagnose.fitting.candidates import Candidate, begin_candidates
@@ -12,7 +13,7 @@ from crashkit.diagnose.fitting.rebuild import rebuild
 from crashkit.diagnose.fitting.search import Search, begin
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.forms import with_form
-from crashkit.diagnose.name.look import Look, compared, is_given
+from crashkit.diagnose.name.look import Look, is_given
 from crashkit.diagnose.result import own_name
 from crashkit.diagnose.workshop import Workshop
 from crashkit.model import Model
@@ -46,9 +47,19 @@ def _beside_twins(workshop: Workshop, discovery: Discovery, look: Look) -> Look:
     if without is None or not twins:
         return look
     fitted = ranked_by_evidence(heats(twins, HEATS, lambda doing, share: None), winner.without)
-    leading = max([winner, *fitted], key=lambda rival: rival.evidence)
-    rivals = by_evidence([winner, *look.rivals[1:], *fitted])
-    return compared(evolve(look, before=without.fitted()), best_forms([leading, *rivals]))
+    return _shared(evolve(look, before=without.fitted()), best_forms(by_evidence([winner, *fitted])))
+
+
+def _shared(look: Look, twins: Sequence[Rival]) -> Look:
+    """The look whose leader's odds its twins share, that among them. The other rivals keep theirs: they were weighed where the
+    other findings had not been made."""
+    known = {twin.identity for twin in twins}
+    odds = list(zip(look.rivals, look.probabilities, strict=True))
+    others = [(rival, chance) for rival, chance in odds if rival.identity not in known]
+    together = sum(chance for rival, chance in odds if rival.identity in known)
+    shares = together * softmax([twin.evidence for twin in twins])
+    rivals, chances = zip(*zip(twins, shares.tolist(), strict=True), *others, strict=True)
+    return evolve(look, rivals=rivals, probabilities=chances)
 
 
 def _twins(workshop: Workshop, model: Model, without: Search, winner: Rival, others: Sequence[Rival]) -> list[Candidate]:

@@ -57,6 +57,21 @@ def test_the_likeliest_of_them_is_told(beside, rubbing):
     assert discovery.search.deviance == pytest.approx(rubbing[2].deviance, rel=1e-3)
 
 
+def test_what_was_weighed_without_the_other_findings_takes_no_odds_from_a_twin(workshop, rubbing, claim):
+    """A rival may have explained more before another finding was made."""
+    base, falling, search = rubbing
+    found = rival_of(falling, search, base.deviance)
+    known = {"ground_friction": "constant", "viscous_damping": "linear"}
+    early = [claim(base.misfit, physics, form) for physics, form in known.items()]
+    stale = [evolve(one, evidence=10.0 * found.evidence) for one in early]
+    look = Look((found, *stale), (0.9, 0.06, 0.04), 0.0, base.fitted())
+    (told,) = beside_twins(workshop, Discovery(base.fitted(), search.fitted(), search, (look,))).findings
+    chances = {rival.identity: chance for rival, chance in zip(told.rivals, told.probabilities, strict=True)}
+    assert sum(chances[twin] for twin in TWINS) == pytest.approx(0.96)
+    assert chances[stale[1].identity] == 0.04
+    assert told.probabilities[0] == max(told.probabilities)
+
+
 def test_an_estimated_force_has_no_twins(workshop, model, misfit, recorded):
     base = begin(workshop.identifier, misfit(model, run=recorded(model)))
     table = next(p for p in propose_all(workshop, base.fitted()) if p.physics == "unknown")
