@@ -76,6 +76,8 @@ def _without_supports(motion: xr.Dataset) -> xr.Dataset:
     """The motion with the net force of only those joints on each body that do not support one; on a line."""
     if "joint_support" not in motion.variables or not motion.variables["joint_support"].values.any():
         return motion
+    if "joint_side" not in motion.variables:
+        raise CrashkitError("load_cell: expected a motion with joint_side, as some joint supports a body, found none")
     bodies, sides = motion.variables["body"].values.tolist(), motion.variables["joint_side"].values
     names = [name for name in ("contact_force", "contact_force_sensitivity") if name in motion.variables]
     felt = {name: motion.variables[name].copy() for name in names}

@@ -221,6 +221,10 @@ def test_a_load_cell_does_not_feel_what_holds_its_body_from_behind(ground: float
     )
     felt = LoadCell().predict(motion, load_cell_at(np.array([0.0, 0.01])))["force"]
     assert felt.values.ravel().tolist() == [100.0, 100.0]
+    with pytest.raises(
+        CrashkitError, match="load_cell: expected a motion with joint_side, as some joint supports a body, found none"
+    ):
+        LoadCell().predict(motion.drop_vars("joint_side"), load_cell_at(np.array([0.0, 0.01])))
 
 
 @pytest.mark.parametrize("std", [-1.0, 0.0])
