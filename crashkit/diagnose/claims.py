@@ -46,9 +46,8 @@ def accuses_instrument(proposal: Proposal) -> bool:
 def propose_all(workshop: Workshop, base: Misfit) -> list[Proposal]:
     """Every hypothesis at every place of the model, in every form that can be fitted; none where it cannot be simulated, as
     with numbers that only the equations of motion have led."""
-    values = {name: parameter.value for name, parameter in base.model.free_parameters().items()}
     try:
-        motions = [base.predictor.motion(run, values) for run in base.recordings]
+        motions = [base.predictor.motion(run, base.model.values()) for run in base.recordings]
     except SimulationError:
         return []
     return workshop.proposals(base.model, motions, list(base.recordings.values()))

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from attrs import evolve, field, frozen
 
-from crashkit.diagnose.asked import check_models, proposed_by
+from crashkit.diagnose.proposed import check_models, proposed_by
 from crashkit.errors import CrashkitError
 from crashkit.mechanics import Engine, can_be_derived, compile_engine, functions_of
 from crashkit.misfit import Misfit

@@ -74,10 +74,11 @@ class RepeatedRun:
         """What a record tells, as `Simulator.run` returns it."""
         paths = self.paths if record.tangents.shape[0] else ()
         own, axes, names = Record(*(array.copy() for array in record)), self._layout.axes, self._simulator.names
-        if paths not in self._blank:
-            self._blank[paths] = _blank(motion_of(own, self.times, axes, names, paths))
-        # To put a Dataset together costs more than a short run.
-        return self._blank[paths].copy(data=arrays_of(own, axes, names))
+        if paths in self._blank:  # to put a Dataset together costs more than a short run
+            return self._blank[paths].copy(data=arrays_of(own, axes, names))
+        motion = motion_of(own, self.times, axes, names, paths)
+        self._blank[paths] = _blank(motion)
+        return motion
 
     def entry(self, quantity: str, body: str, axis: str) -> int | None:
         """Where a record holds a quantity of `BY_BODY`; None where it does not.

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from attrs import evolve, field, frozen
+from attrs import field, frozen
 
 from crashkit.diagnose.claims import accuses_instrument
 from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED, Rival, explains, is_unknown, ranked_by_evidence
@@ -118,9 +118,8 @@ def _freed(findings: Sequence[Look], search: Search, winner: Rival) -> tuple[lis
     gained = search.deviance - better.deviance
     if gained < FREED * winner.drop:
         return None
-    last = findings[-1].leader
-    leader = evolve(last, search=better, drop=last.drop + gained, evidence=last.evidence + 0.5 * gained)
-    return [*findings[:-1], findings[-1].led_by(leader)], better
+    last = findings[-1]
+    return [*findings[:-1], last.led_by(last.leader.improved(better, gained))], better
 
 
 def _one_more(inquiry: Inquiry, findings: Sequence[Look], look: Look, winner: Rival) -> tuple[list[Look], Search]:

@@ -72,6 +72,6 @@ def _forces(
         stills: of each motion (time, body, axis) zeros, with those of moments.
         values: by path, instead of the model's.
     """
-    known = {path: parameter.value for path, parameter in misfit.model.parameters().items()} | dict(values)
+    known = misfit.model.values() | dict(values)
     loads = [load_on(still, own, [track.force(known) for track in own]) for still, own in zip(stills, tracks, strict=True)]
     return np.concatenate([load[:, :, :3].ravel() for load in loads])

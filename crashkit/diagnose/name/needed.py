@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-import numpy as np
 from attrs import evolve
 
+from crashkit.diagnose.claims import price_of
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.rebuild import alone_again, rebuild
 from crashkit.diagnose.fitting.search import Search
@@ -60,4 +60,4 @@ def _before(workshop: Workshop, look: Look, without: Search) -> Misfit:
 
 def price(proposal: Proposal, misfit: Misfit) -> float:
     """Chi squared that a finding must explain to be worth its parameters, as the evidence counts them (Schwarz 1978)."""
-    return max(LEAST_DROP, len(proposal.parameters) * float(np.log(misfit.independent_samples)))
+    return max(LEAST_DROP, price_of(proposal, misfit.independent_samples))

@@ -2,8 +2,6 @@
 
 from collections.abc import Sequence
 
-from attrs import evolve
-
 from crashkit.diagnose.claims import accuses_instrument, is_same
 from crashkit.diagnose.fitting.candidates import begin_candidates
 from crashkit.diagnose.fitting.contest import heats
@@ -44,7 +42,7 @@ def _reidentified(inquiry: Inquiry, look: Look, winner: Rival) -> Look:
     gained = winner.search.deviance - found.deviance
     if not gained > 0.0:
         return look
-    return look.led_by(evolve(winner, search=found, drop=winner.drop + gained, evidence=winner.evidence + 0.5 * gained))
+    return look.led_by(winner.improved(found, gained))
 
 
 def _challengers(inquiry: Inquiry, look: Look, found: Sequence[Rival]) -> list[Proposal]:

@@ -32,8 +32,7 @@ def action_of(
 
 
 def _action(workshop: Workshop, misfit: Misfit, run: str, stripped: Model, joint: Joint) -> xr.Dataset:
-    values = {name: p.value for name, p in misfit.model.free_parameters().items()}
-    simulated = misfit.predictor.motion(run, values)
+    simulated = misfit.predictor.motion(run, misfit.model.values())
     recorded = recorded_motion(misfit, run, simulated, workshop.smoother)
     stretch = stretch_of(misfit.model, evolve(joint, free_length=None), simulated)
     asked = on_joint(missing_force(stripped, workshop.laws, recorded), joint.pushed, stretch.direction)

@@ -56,9 +56,9 @@ def test_one_claim_takes_half_of_the_places_and_what_others_leave(monkeypatch):
 
 @pytest.mark.parametrize("physics", [UNKNOWN, "fracture"])
 def test_places_that_nobody_else_wants_are_not_lost(monkeypatch, physics):
-    entrants = [candidate(physics, cost) for cost in (3.0, 1.0, 2.0)]
+    candidates = [candidate(physics, cost) for cost in (3.0, 1.0, 2.0)]
     expected = [1.0, 2.0] if physics == UNKNOWN else [1.0, 2.0, 3.0]
-    assert [cost for _, cost in ahead(entrants, 4, monkeypatch)] == expected
+    assert [cost for _, cost in ahead(candidates, 4, monkeypatch)] == expected
 
 
 def test_claims_that_are_scored_from_the_given_values_begin_there(workshop, model, misfit, recorded):
