@@ -54,8 +54,10 @@ def _instruments_first(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery:
 
 
 def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | None:
-    """What the instruments that agree say of the structure, and then what is wrong with the others; None if that fails, or if
-    they say what all of them read, as of a body that turns."""
+    """What the instruments that agree say of the structure, and then what is wrong with the others; None if that fails.
+
+    If they say what all of them read, as of a body that turns, all are asked.
+    """
     workshop, given = inquiry.workshop, inquiry.given
     rest = workshop.first_misfit(given.model, without(given.recordings, set_aside)).with_prior(given.prior.std)
     if not rest.groups:
@@ -63,11 +65,12 @@ def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | Non
     believed = Inquiry(workshop, rest, reidentify(workshop, rest), inquiry.progress)
     structure = explored(believed)
     findings = list(structure.findings)
-    if any(map(_says_what_sensors_read, findings)):
-        return None
     search = inquiry.fit_with([look.leader for look in findings], structure.search)
     if search is None:
         return None
+    told = Discovery.of(inquiry.base, search, tuple(findings))
+    if any(map(_says_what_sensors_read, findings)):
+        return in_time(told, explored, inquiry)
     unbent, waiting = evolve(inquiry, given=given.with_values_of(structure.search.fitted())), set_aside
     while waiting:
         found, concerns = [look.leader for look in findings], partial(_concern, waiting)
@@ -75,7 +78,7 @@ def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | Non
         if look is None or (look.winner is None and search.normalised <= FLOOR):
             break
         if look.winner is None:
-            return None
+            return in_time(told, explored, inquiry)
         still = [one.besides(look.winner.proposal, look.before.model) for one in waiting]
         waiting = tuple(one for one in still if one is not None)
         findings.append(in_time(look, settled, unbent, look, look.winner, found))

@@ -118,3 +118,10 @@ def sampling_interval(recordings: Sequence[xr.DataTree]) -> float:
     groups = [group.to_dataset(inherit=False) for recording in recordings for group in recording.children.values()]
     stamps = [group["time"].values for group in groups if group.sizes.get("time", 0) > 1]
     return min((float(np.median(np.diff(times))) for times in stamps), default=1e-3)
+
+
+def braked_axis(motions: Sequence[xr.Dataset], body: str) -> str:
+    """The axis along which the velocity of a body changes most, over all runs."""
+    velocities = [motion["velocity"].sel(body=body) for motion in motions]
+    changes = [(velocity.max("time") - velocity.min("time")).values for velocity in velocities]
+    return str(velocities[0]["axis"].values[np.max(changes, axis=0).argmax()])

@@ -1,4 +1,4 @@
-"""Models whose bodies turn: every proposal holds together there, and a sensor that is tilted is found."""
+"""Models whose bodies turn: every proposal holds together there; a tilted sensor and a turning out of the plane are found."""
 
 import numpy as np
 import pytest
@@ -16,6 +16,7 @@ from crashkit_hypotheses.body_forces import GroundFriction
 from crashkit_hypotheses.carried_load import CarriedLoad
 from crashkit_hypotheses.distortion import Misalignment
 from crashkit_hypotheses.obstacle_motion import ObstacleMotion
+from crashkit_hypotheses.rotation import Rotation
 
 pytestmark = pytest.mark.long
 
@@ -24,7 +25,6 @@ SILENT = {
     "added_mass": "nothing records a force that gives the only mass its scale",
     "missing_contact": "its two bodies are joined already",
     "plastic_unloading": "its rails unload by a slope of their own already",
-    "rotation": "in the plane bodies turn",
 }
 """Physics that has nothing to propose for the car, and why."""
 
@@ -159,3 +159,38 @@ def test_a_tilted_sensor_is_found(car, crash, engine, recorded):
     assert fits["tilt"].deviance < fits["transverse"].deviance + 10.0
     tilt = fits["tilt"].result().parameters.sel(parameter="instrument.accelerometer.car_sensor.tilt_z")
     assert abs(float(tilt["value"]) - 0.1) < 5.0 * float(tilt["std"]) < 0.05
+
+
+def pitching(car):
+    """The same car in space: its rails stand beneath its centre of mass, so that it also pitches."""
+    inertia = tuple(Parameter(value, fixed=True) for value in (500.0, 3000.0, 2000.0))
+    wall, body = (
+        evolve(one, position=(*one.position, 0.0), velocity=(*one.velocity, 0.0), inertia=inertia) for one in car.bodies
+    )
+    rails = tuple(
+        evolve(joint, points=((*joint.points[0], -0.05), (*joint.points[1], -0.05)), normal=(-1.0, 0.0, 0.0))
+        for joint in car.joints
+    )
+    return Model("car", ("x", "y", "z"), (wall, body), rails)
+
+
+def test_a_turning_that_the_plane_leaves_out_is_found(car, crash, engine):
+    motion = Simulator(pitching(car), load().spring_laws).run(TIMES)
+    high = xr.DataArray([[0.0, 0.0, 1.0]], dims=("sensor", "axis"))
+    group = toys.recording(motion)["accelerometer"].to_dataset(inherit=False).isel(sensor=[-1])
+    group = group.assign(sensor_point=high.assign_coords(group[["sensor", "axis"]].coords)).assign_attrs(frame="body")
+    felt = load().observers["accelerometer"]().predict(motion, group, {})["acceleration"]
+    noise = np.random.default_rng(1).normal(0.0, 1.0, felt.shape)
+    seen = group.assign(acceleration=felt + noise).sel(axis=["x", "y"])
+    recording = toys.recording(crash).drop_nodes("film").assign(accelerometer=xr.DataTree(seen))
+    workshop = evolve(installed(), engine=engine)
+    given = workshop.first_misfit(car, {"run": recording})
+    (proposal,) = Rotation().propose(car, [crash], [recording])
+    before = begin(workshop.identifier, given).advance(6).deviance
+    models = [proposal.model.with_values(start) for start in proposal.starts]
+    fits = [begin(workshop.identifier, workshop.misfit(given, model)).advance(30) for model in models]
+    after = min(fits, key=lambda fit: fit.deviance)
+    assert after.deviance < before - 1000.0
+    share = after.result().parameters.sel(parameter="instrument.accelerometer.car_sensor/x.rocking_share")
+    # The lever times the height over the square of the radius of gyration.
+    assert float(share["value"]) == pytest.approx(0.05 * 1.0 / (3000.0 / 1200.0), abs=0.01)

@@ -1,17 +1,45 @@
 """Which instruments wait while the structure is questioned."""
 
+import pytest
+
+from crashkit.diagnose.fitting.in_time import OutOfTimeError
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name import discover
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.look import Look
 
 
-def test_a_body_that_turns_is_asked_of_all_its_sensors(workshop, model, misfit, recorded, inquiry, claim, monkeypatch):
-    """What some of them say of how high they are leaves out those that wait, which are not wrong."""
+@pytest.fixture
+def turning(workshop, model, misfit, recorded, claim):
+    """What the instruments that agree say: a body turns."""
     base = begin(workshop.identifier, misfit(model, run=recorded(model)))
-    turning = claim(base.misfit, "rotation", "rocking")
-    found = Discovery.of(base, turning.search, (Look.of([turning], base.fitted()),))
-    monkeypatch.setattr(discover, "without", lambda recordings, suspects: recordings)
-    monkeypatch.setattr(discover, "reidentify", lambda workshop, misfit: base)
-    monkeypatch.setattr(discover, "explored", lambda inquiry: found)
-    assert discover._beside(inquiry(base), ()) is None
+    rival = claim(base.misfit, "rotation", "rocking")
+    return Discovery.of(base, rival.search, (Look.of([rival], base.fitted()),))
+
+
+@pytest.fixture
+def beside(turning, inquiry, monkeypatch):
+    """What is told of all instruments, where exploring with those that agree says that a body turns."""
+    base = begin(turning.search.identifier, turning.base)
+
+    def told(exploring_all):
+        explorations = iter([lambda: turning, exploring_all])
+        monkeypatch.setattr(discover, "without", lambda recordings, suspects: recordings)
+        monkeypatch.setattr(discover, "reidentify", lambda workshop, misfit: base)
+        monkeypatch.setattr(discover, "explored", lambda inquiry: next(explorations)())
+        return discover._beside(inquiry(base), ())
+
+    return told
+
+
+def test_a_body_that_turns_is_asked_of_all_its_sensors(beside, turning):
+    """What some of them say of how high they are leaves out those that wait, which are not wrong."""
+    everything = Discovery.of(begin(turning.search.identifier, turning.base), turning.search)
+    assert beside(lambda: everything) is everything
+
+
+def test_a_body_that_turns_is_told_where_there_is_no_time_to_ask_all(beside):
+    def too_late():
+        raise OutOfTimeError
+
+    assert [look.leader.proposal.physics for look in beside(too_late).findings] == ["rotation"]
