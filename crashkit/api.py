@@ -34,7 +34,7 @@ from crashkit.model import Model
 from crashkit.model.toml import read_model, write_model
 from crashkit.protocols import Identification, Identifier, Status
 from crashkit.registry import Registry, load
-from crashkit.report import write_json, write_report
+from crashkit.report import write_curves, write_json, write_report
 from crashkit.report.cross_check import write_cross_check
 from crashkit.report.held import Held, held_in
 from crashkit.report.identification import as_text, write_identification
@@ -167,7 +167,8 @@ def diagnose_files(
         model: the model's file (TOML).
         runs: recordings to fit (netCDF).
         holdout: recordings that are predicted, not fitted, unless only more physics explains them.
-        output: folder for diagnosis.json, augmented_model.toml and index.html, made if need be; None: nothing is written.
+        output: folder for index.html, diagnosis.json, curves.nc and augmented_model.toml, made if need be; None: nothing is
+            written.
         progress: told what is being done.
         seconds: after which no further cause is asked for, above 0.
 
@@ -182,6 +183,7 @@ def diagnose_files(
         if folder:
             write_model(result.augmented_model, folder / "augmented_model.toml", load().spring_laws)
             write_report(result, folder)
+            write_curves(result, folder / "curves.nc")
             write_json(result, folder / "diagnosis.json")
     return result
 

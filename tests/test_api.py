@@ -53,7 +53,7 @@ def test_a_diagnosis_writes_its_files(quick, given, tmp_path):
     told = []
     result = api.diagnose_files(given / "model.toml", [given / "run.nc"], [], tmp_path / "new" / "out", told.append)
     output = tmp_path / "new" / "out"
-    assert {path.name for path in output.iterdir()} >= {"diagnosis.json", "augmented_model.toml", "index.html"}
+    assert {path.name for path in output.iterdir()} >= {"diagnosis.json", "curves.nc", "augmented_model.toml", "index.html"}
     document = json.loads((output / "diagnosis.json").read_text(encoding="utf-8"))
     assert (document["verdict"], result.verdict) == ("consistent", "consistent")
     assert api.load_model(output / "augmented_model.toml") == result.augmented_model

@@ -8,7 +8,7 @@ from crashkit.cli import progress
 
 TIME_LIMIT = 180.0
 """s for questions."""
-WRITTEN = ("index.html", "diagnosis.json", "augmented_model.toml")
+WRITTEN = ("index.html", "diagnosis.json", "curves.nc", "augmented_model.toml")
 """In the folder for the report."""
 
 

@@ -60,8 +60,7 @@ def _curve(
         "sensor": ("channel", [channel.sensor for channel in channels]),
         "axis": ("channel", [channel.axis for channel in channels]),
     }
-    noise = "channel", [channel.noise.std for channel in channels]
-    return curves.assign(noise=noise).assign_coords(labels).assign_attrs(fitted=int(is_fitted))
+    return curves.rename(std="noise").assign_coords(labels).assign_attrs(fitted=int(is_fitted))
 
 
 def _loose_ends(fitted: Misfit, shown: Misfit, result: Identification) -> Iterator[list[Prediction]]:

@@ -64,12 +64,15 @@ class Group:
         return evolve(self, recorded=np.where(hidden, np.nan, self.recorded), channels=tuple(channels))
 
     def curves(self, **more: np.ndarray) -> xr.Dataset:
-        """What was recorded beside `more` (time, channel) of the same, by channel and in the instrument's unit."""
-        curves = {"recorded": self.recorded, **more}
+        """What was recorded beside `more` (time, channel) of the same, by channel and in the instrument's unit, with the `std`
+        (channel) of its noise."""
+        units = str(self.dataset[self.observer.quantity].attrs.get("units", ""))
+        stds = "channel", [channel.noise.std for channel in self.channels]
+        curves = {name: (("time", "channel"), values) for name, values in {"recorded": self.recorded, **more}.items()}
         return xr.Dataset(
-            {name: (("time", "channel"), values) for name, values in curves.items()},
-            {"time": self.times, "channel": [channel.label for channel in self.channels]},
-            {"quantity": self.observer.quantity, "units": str(self.dataset[self.observer.quantity].attrs.get("units", ""))},
+            {name: (*curve, {"units": units}) for name, curve in {**curves, "std": stds}.items()},
+            {"time": ("time", self.times, {"units": "s"}), "channel": [channel.label for channel in self.channels]},
+            {"quantity": self.observer.quantity, "units": units},
         )
 
     def motion(self) -> xr.Dataset | None:

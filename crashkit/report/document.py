@@ -1,4 +1,4 @@
-"""diagnosis.json: the answer for programs, schema "crashkit-diagnosis/1"."""
+"""The answer for programs: diagnosis.json, schema "crashkit-diagnosis/1", and curves.nc, the curves behind it."""
 
 import json
 import math
@@ -7,18 +7,33 @@ from pathlib import Path
 
 import attrs
 import numpy as np
+import xarray as xr
 
+from crashkit.data.netcdf import write_tree
 from crashkit.diagnose.result import Diagnosis, Finding, Fit
 from crashkit.report.files import write_text
 
 SETS = ("calibration", "holdout")
 MODELS = ("before", "after")
+TABLES = ("ranking", "identified", "consistency", "detectable")
+"""Of a Diagnosis, each a list with an object for each row."""
 
 
 def write_json(diagnosis: Diagnosis, path: Path) -> Path:
     """Write the diagnosis as JSON, whole or not at all, and return its path."""
     text = json.dumps(diagnosis_json(diagnosis), indent=1, ensure_ascii=False, allow_nan=False)
     return write_text(path, text + "\n")
+
+
+def write_curves(diagnosis: Diagnosis, path: Path) -> Path:
+    """Write what the page draws as netCDF, whole or not at all, and return its path.
+
+    The file has a group `curves/run/instrument` for each recording, and `missing_force/finding/run` for each finding ("0", ...)
+    in the structure, as `Diagnosis` has them.
+    """
+    groups = {"curves": diagnosis.curves, "missing_force": diagnosis.missing_force}
+    write_tree(xr.DataTree(xr.Dataset(attrs={"crashkit_schema": "curves/1"}), groups), path)
+    return path
 
 
 def diagnosis_json(diagnosis: Diagnosis) -> dict[str, object]:
@@ -31,6 +46,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, object]:
         "augmented_model": "augmented_model.toml",
         "summary": diagnosis.summary,
         "notes": list(diagnosis.notes),
+        **{name: _rows(getattr(diagnosis, name)) for name in TABLES},
     }
     return {key: plain(value) for key, value in document.items()}
 
@@ -52,6 +68,11 @@ def _fit(fit: Fit | None) -> dict[str, object]:
     expected = {"expected_rmse": fit.expected_rmse, "untold": fit.untold} if fit.untold else {}
     together = {} if math.isnan(fit.together_rmse) else {"together_rmse": fit.together_rmse}
     return {"normalised_rmse": fit.normalised_rmse, **expected, **together, "channels": channels}
+
+
+def _rows(table: xr.Dataset) -> list[dict[str, object]]:
+    columns = {str(name): variable.values.tolist() for name, variable in table.variables.items()}
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
 def plain(value: object) -> object:

@@ -62,7 +62,7 @@ def test_diagnose_takes_runs_and_runs_held_out_in_any_order(api, capsys, line):
     assert main(line.split()) == 0
     assert api.calls == [("diagnose_files", MODEL, [RUN_1, RUN_2], [HELD_1, HELD_2], OUT)]
     assert api.options["seconds"] == 180.0
-    written = "wrote out/index.html\nwrote out/diagnosis.json\nwrote out/augmented_model.toml\n"
+    written = "wrote out/index.html\nwrote out/diagnosis.json\nwrote out/curves.nc\nwrote out/augmented_model.toml\n"
     assert capsys.readouterr().out == f"consistent\n{written}"
 
 

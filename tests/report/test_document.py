@@ -8,8 +8,10 @@ import pytest
 import xarray as xr
 from attrs import evolve
 
+from crashkit.data.netcdf import read_tree
 from crashkit.diagnose.result import Diagnosis, Estimate, Fit
-from crashkit.report import diagnosis_json, write_json
+from crashkit.report import diagnosis_json, write_curves, write_json
+from crashkit.report.document import plain
 
 
 def strict(text: str) -> dict:
@@ -90,3 +92,26 @@ def test_numpy_values_and_tuples_are_written_as_plain_json(diagnosis: Diagnosis,
     document = strict(write_json(evolve(diagnosis, findings=(finding,)), tmp_path / "diagnosis.json").read_text("utf-8"))
     assert document["findings"][0]["location"] == {"bodies": ["wall", "vehicle"]}
     assert document["findings"][0]["time"] == [0.5, 1]
+
+
+@pytest.mark.parametrize("table", ["ranking", "identified", "consistency", "detectable"])
+def test_the_tables_of_the_page_are_there_row_by_row(diagnosis: Diagnosis, table: str) -> None:
+    told, rows = getattr(diagnosis, table), diagnosis_json(diagnosis)[table]
+    assert len(rows) == next(iter(told.sizes.values()), 0)
+    for index, row in enumerate(rows):
+        assert row == {str(name): plain(variable.values[index]) for name, variable in told.variables.items()}
+
+
+def test_every_curve_of_the_page_is_in_a_file(diagnosis: Diagnosis, tmp_path: Path) -> None:
+    file = read_tree(write_curves(diagnosis, tmp_path / "curves.nc"))
+    assert file.attrs["crashkit_schema"] == "curves/1"
+    for name in ("curves", "missing_force"):
+        told = getattr(diagnosis, name)
+        assert len(told.leaves) > 0
+        for node in told.leaves:
+            xr.testing.assert_identical(file[f"{name}{node.path}"].to_dataset(inherit=False), node.to_dataset(inherit=False))
+
+
+def test_without_a_finding_there_are_the_recorded_curves(diagnosis: Diagnosis, tmp_path: Path) -> None:
+    nothing = evolve(diagnosis, findings=(), missing_force=xr.DataTree())
+    assert set(read_tree(write_curves(nothing, tmp_path / "curves.nc")).children) >= {"curves"}

@@ -48,7 +48,7 @@ def _action(workshop: Workshop, misfit: Misfit, run: str, stripped: Model, joint
         "deformation_rate": (np.interp(instants, times, stretch.rate), "m s-1"),
     }
     variables = {name: ("time", column, {"units": unit}) for name, (column, unit) in columns.items()}
-    return xr.Dataset(variables, coords={"time": instants})
+    return xr.Dataset(variables, coords={"time": ("time", instants, {"units": "s"})})
 
 
 def _stripped(without: Model, final: Model) -> Model:

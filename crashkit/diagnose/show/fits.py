@@ -74,8 +74,7 @@ def curves_of(
 
 
 def _curve(group: Group, before: np.ndarray, after: np.ndarray, holdout: bool) -> xr.Dataset:
-    stds = [channel.noise.std for channel in group.channels]
-    return group.curves(before=before, after=after).assign(std=("channel", stds)).assign_attrs(holdout=int(holdout))
+    return group.curves(before=before, after=after).assign_attrs(holdout=int(holdout))
 
 
 def _channels(group: Group, predicted: np.ndarray) -> list[tuple[float, float, float, float]]:
