@@ -28,8 +28,8 @@ def write_json(diagnosis: Diagnosis, path: Path) -> Path:
 def write_curves(diagnosis: Diagnosis, path: Path) -> Path:
     """Write what the page draws as netCDF, whole or not at all, and return its path.
 
-    The file has a group `curves/run/instrument` for each recording, and `missing_force/finding/run` for each finding ("0", ...)
-    in the structure, as `Diagnosis` has them.
+    The file has a group `curves/run/instrument` for each recording, and `missing_force/finding/run` for each finding in the
+    structure ("0", ...), as `Diagnosis` has them.
     """
     groups = {"curves": diagnosis.curves, "missing_force": diagnosis.missing_force}
     write_tree(xr.DataTree(xr.Dataset(attrs={"crashkit_schema": "curves/1"}), groups), path)
