@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 import xarray as xr
 from attrs import frozen
+from scipy.constants import foot, g
 from scipy.integrate import cumulative_trapezoid
 from scipy.linalg import solve_triangular
 
@@ -12,6 +13,17 @@ from crashkit.misfit import Group, Misfit
 
 SIGNIFICANT = 5.0
 """Sigma from which a check is reported as inconsistent."""
+MISTAKEN = {
+    "accelerations in g": 1.0 / g,
+    "accelerations in ft/s²": 1.0 / foot,
+    "accelerations in mm/s²": 1e3,
+    "accelerations in cm/s²": 1e2,
+    "positions in mm": 1e-3,
+    "positions in cm": 1e-2,
+}
+"""How much too large accelerations then are, compared with positions."""
+UNIT = 0.1
+"""Share by which a ratio may be off one of these: a sensor is rarely wrong by more."""
 
 
 @frozen
@@ -41,8 +53,8 @@ def check_instruments(groups: Mapping[str, list[Group]]) -> xr.Dataset:
     """How far the accelerometers of each body agree with its film, as an error of sensitivity, offset or clock.
 
     Of several axes that is asked along the one in which the body is accelerated most.
-    y(t) = x(t) - ∫∫ a dt² is a straight line for perfect instruments. A sensitivity 1 + g adds -g ∫∫a, an offset b adds
-    -b t²/2, a clock late by τ adds τ ∫a; each is estimated alone, by generalised least squares with the integrated noise.
+    y(t) = x(t) - ∫∫ a dt² is a straight line for perfect instruments. A sensitivity 1 + g adds -g / (1 + g) ∫∫a, an offset b
+    adds -b t²/2, a clock late by τ adds τ ∫a; each is estimated alone, by generalised least squares with the integrated noise.
 
     Arguments:
         groups: the instruments of each run.
@@ -104,10 +116,12 @@ def _rows(comparisons: list[Comparison]) -> list[tuple[str | float, ...]]:
     for error, unit in units.items():
         estimate, std, left = _estimate(comparisons, error)
         sigma = abs(estimate) / std
+        if error == "gain":
+            estimate, std = estimate / (1.0 - estimate), std / (1.0 - estimate) ** 2
         verdict = "inconsistent (as an error of " if sigma > SIGNIFICANT else "consistent ("
         sentence = (
             f"{first.accelerometer} against {first.film} on {first.body}{first.along}: {verdict}"
-            f"{error.replace('_', ' ')} {estimate:+.3g} ± {std:.2g}{unit})"
+            f"{error.replace('_', ' ')} {estimate:+.3g} ± {std:.2g}{unit}){_mistaken(estimate) if error == 'gain' else ''}"
         )
         rows.append(
             (sentence, f"body {first.body}", first.body, first.film, first.accelerometer, error, estimate, std, sigma, left)
@@ -115,8 +129,17 @@ def _rows(comparisons: list[Comparison]) -> list[tuple[str | float, ...]]:
     return rows
 
 
+def _mistaken(gain: float) -> str:
+    """The units in which readings seem to be that are that much too large, in words."""
+    units = [unit for unit, factor in MISTAKEN.items() if abs(1.0 + gain - factor) < UNIT * factor]
+    return f": {units[0]}?" if units else ""
+
+
 def _estimate(comparisons: list[Comparison], error: str) -> tuple[float, float, float]:
-    """One error, common to all runs, with a straight line of its own for each run; its deviation; and what it leaves."""
+    """One error, common to all runs (of a sensitivity, over 1 + g), its deviation, and what it leaves.
+
+    Each run has a straight line of its own.
+    """
     information = gradient = chi_squared = 0.0
     for one in comparisons:
         column = {"gain": -one.integral, "bias": -0.5 * (one.times - one.times[0]) ** 2, "clock_offset": one.slope}[error]

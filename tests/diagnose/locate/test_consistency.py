@@ -46,6 +46,14 @@ def test_a_fault_is_found_and_measured(checked, error):
     assert str(row["place"].values) == "body front"
 
 
+@pytest.mark.parametrize(
+    ("factor", "asked"), [(1.0 / 9.80665, ": accelerations in g?"), (1e-3, ": positions in mm?"), (0.8, "")]
+)
+def test_a_unit_that_was_taken_for_another_is_asked_about(checked, factor, asked):
+    table = checked(lambda d: d.assign(acceleration=factor * d["acceleration"])).set_coords("error").swap_dims(check="error")
+    assert str(table["sentence"].sel(error="gain").values).endswith(f"){asked}")
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_perfect_instruments_agree(checked, seed):
     table = checked(seed=seed)
