@@ -10,43 +10,22 @@ from attrs import evolve, field, frozen
 from crashkit.errors import CrashkitError
 from crashkit.mechanics.state_form import StateForm
 from crashkit.misfit import Misfit, SameVariables
-from crashkit.protocols import Identification, Identifier, Problem, Status
+from crashkit.protocols import Identification, Identifier, Problem
 from crashkit_identifiers.force_surface import Surface, fitted, interpolated, readings_of
-from crashkit_identifiers.levenberg_marquardt import Limits, Search, advance, begin
+from crashkit_identifiers.levenberg_marquardt import BySearch, Limits, advance, begin
 from crashkit_identifiers.measured import known, measured_motions, require_seen
 from crashkit_identifiers.recorded import engine_of, laws_of, require_plain_line, with_recordings
-from crashkit_identifiers.result import Path, conclude
+from crashkit_identifiers.result import conclude
 
 FORMS = ("direct", "scattered")
 
 
 @frozen(eq=False)
-class SurfaceState:
-    """The surface of each joint's force, the measured motion, and where the fit of the laws to the surfaces stands."""
+class SurfaceState(BySearch):
+    """The search for the laws closest to the surfaces, the surface of each joint's force, and the measured motion."""
 
     surfaces: Mapping[str, Surface]
     measured: Mapping[str, xr.Dataset]
-    search: Search
-
-    @property
-    def point(self) -> np.ndarray:
-        """In search variables."""
-        return self.search.point
-
-    @property
-    def cost(self) -> float:
-        """Of the laws against the surfaces, not of the recordings."""
-        return self.search.cost
-
-    @property
-    def status(self) -> Status:
-        """Of the search."""
-        return self.search.status
-
-    @property
-    def path(self) -> Path:
-        """Of the search."""
-        return self.search.path
 
 
 @frozen
@@ -87,7 +66,7 @@ class Chebyshev(Identifier[SurfaceState]):
             surfaces = fitted(readings_of(misfit, measured), self.degree)
         else:
             surfaces = interpolated(readings_of(misfit, measured, self.measurements), self.degree, self.points)
-        return SurfaceState(surfaces, measured, begin(_LawFit(misfit, measured, surfaces)))
+        return SurfaceState(begin(_LawFit(misfit, measured, surfaces)), surfaces, measured)
 
     def step(self, problem: Problem, state: SurfaceState) -> SurfaceState:
         """One step of the laws towards the surfaces."""

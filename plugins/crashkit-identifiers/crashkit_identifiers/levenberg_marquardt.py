@@ -31,6 +31,33 @@ class Search:
     path: tuple[tuple[float, np.ndarray], ...] = field(default=())
 
 
+@frozen(eq=False)
+class BySearch:
+    """What stands where its search does."""
+
+    search: Search
+
+    @property
+    def point(self) -> np.ndarray:
+        """In search variables."""
+        return self.search.point
+
+    @property
+    def cost(self) -> float:
+        """Of what is searched."""
+        return self.search.cost
+
+    @property
+    def status(self) -> Status:
+        """Of the search."""
+        return self.search.status
+
+    @property
+    def path(self) -> tuple[tuple[float, np.ndarray], ...]:
+        """Of the search."""
+        return self.search.path
+
+
 @frozen
 class Limits:
     """When a search ends.

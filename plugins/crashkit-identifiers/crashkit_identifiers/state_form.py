@@ -9,12 +9,12 @@ import xarray as xr
 from attrs import evolve, frozen
 
 from crashkit.misfit import Misfit, SameVariables
-from crashkit.protocols import Identification, Problem, Regression, Status
+from crashkit.protocols import Identification, Problem, Regression
 from crashkit_identifiers.equation_error import EquationError
-from crashkit_identifiers.levenberg_marquardt import Limits, Search, advance, begin
+from crashkit_identifiers.levenberg_marquardt import BySearch, Limits, advance, begin
 from crashkit_identifiers.measured import measured_motions, thinned
 from crashkit_identifiers.recorded import with_recordings
-from crashkit_identifiers.result import Path, conclude
+from crashkit_identifiers.result import conclude
 
 FACTORS = (1.0, 0.5, 0.25, 0.125, 2.0)
 FEW = 80
@@ -29,31 +29,10 @@ class Motions:
 
 
 @frozen(eq=False)
-class RegressionState:
-    """Where the regression stands, and what was measured."""
+class RegressionState(BySearch):
+    """Where the regression on the equations of motion, not on the recordings, stands, and what was measured."""
 
-    search: Search
     measured: Motions
-
-    @property
-    def point(self) -> np.ndarray:
-        """In search variables."""
-        return self.search.point
-
-    @property
-    def cost(self) -> float:
-        """Of the equations of motion, not of the recordings."""
-        return self.search.cost
-
-    @property
-    def status(self) -> Status:
-        """Of the search."""
-        return self.search.status
-
-    @property
-    def path(self) -> Path:
-        """Of the search."""
-        return self.search.path
 
 
 @frozen
