@@ -25,17 +25,22 @@ HEATS = ((10, 6), (4, 10), (2, STEPS))
 """How many starts enter each heat, and how many steps each gets there."""
 REFINING = ((12, 8), (4, STEPS))
 """The same about values that are already good."""
+WIDTHS = (8.0, 16.0)
+"""Standard deviations of the steps from these."""
+FARTHEST = 0.3
+"""Longest of these steps, relative to the values."""
 
 
 def reidentify(workshop: Workshop, misfit: Misfit) -> Search:
     """The best fit of the model as it is; what then remains, no tuning of its parameters removes.
 
     A model has many local optima where thresholds are crossed. Where taking in the recordings little by little leaves
-    something, two more searches look everywhere: the workshop's finder, and one from many starts.
+    something, two more searches look everywhere: the workshop's finder, and one from many starts. Where it leaves nothing, a
+    better optimum about there would yet look like a small effect.
     """
     near = understood(workshop, misfit)
     if explains(near):
-        return near
+        return refine(workshop.identifier, near.fitted())
     looks = [partial(_found, workshop.finder), partial(_best_of_many, workshop.identifier)]
     far = _fitted(workshop, misfit, spread(lambda look: look(misfit), looks))
     return weighed([min(near, far, key=lambda search: search.state.cost)])[0]
@@ -63,7 +68,7 @@ def _found(finder: Identifier[Any], misfit: Misfit) -> Mapping[str, float]:
 
 def refine(identifier: Identifier[Any], misfit: Misfit) -> Search:
     """The fit from values that are already good, and from others about them: a better optimum may be near."""
-    searches = begin_all(identifier, scattered(misfit, REFINING[0][0]))
+    searches = begin_all(identifier, scattered_by_deviation(misfit, REFINING[0][0]))
     for size, steps in REFINING:
         searches = advance_all(sorted(searches, key=lambda search: search.deviance)[:size], steps)
     return min(searches, key=lambda search: search.deviance)
@@ -76,6 +81,24 @@ def _best_of_many(identifier: Identifier[Any], misfit: Misfit) -> Mapping[str, f
         searches = advance_all(sorted(searches, key=lambda search: search.state.cost)[:size], steps)
     best = min(searches, key=lambda search: search.state.cost)
     return best.values
+
+
+def scattered_by_deviation(misfit: Misfit, count: int) -> list[Misfit]:
+    """The misfit at its model's values, and at others the further about them the less the recordings tell; the same each time.
+
+    Steps are of some standard deviations along each axis of the parameters' covariance: optima that leave about as little lie
+    there. Starts that are scattered alike in all directions leave far more, and lead elsewhere.
+    """
+    start, (lower, upper) = misfit.start(), misfit.bounds()
+    relative = np.abs(misfit.parameters(start)) / misfit.scaling(start)
+    slopes = misfit.residual_and_jacobian(start)[1] * relative
+    information, axes = np.linalg.eigh(slopes.T @ slopes)
+    deviations = 1.0 / np.sqrt(np.maximum(information, 1.0 / FARTHEST**2))
+    random = np.random.default_rng(0).normal(0.0, 1.0, (count - 1, len(start)))
+    widths = np.resize(WIDTHS, count - 1)[:, None]
+    moves = np.minimum(widths * deviations, FARTHEST) * random @ axes.T
+    points = [start, *(np.clip(start + move * relative, lower, upper) for move in moves)]
+    return [misfit.with_values(misfit.values(point)) for point in points]
 
 
 def scattered(misfit: Misfit, count: int) -> list[Misfit]:

@@ -50,8 +50,9 @@ def score(proposal: Proposal, start: Mapping[str, float], extended: Extended, re
     reach = np.where(new | (size == 0), np.inf, LONGEST_STEP * size)
     step = _bounded_step(square, point, *misfit.bounds(), reach)
     reference = min(reference, square.value) if np.isinf(reference) else reference
-    deviation = _deviation(square.curvature, misfit.names.index(proposal.parameters[0]), np.flatnonzero(~new), reach)
-    return Score(misfit.values(point), reference - square.after(step), deviation)
+    amplitude = misfit.names.index(proposal.parameters[0])
+    deviation = _deviation(square.curvature, amplitude, np.flatnonzero(~new), reach) * misfit.scaling(point)[amplitude]
+    return Score(misfit.values(point), reference - square.after(step), float(deviation))
 
 
 def _deviation(curvature: np.ndarray, amplitude: int, own: np.ndarray, reach: np.ndarray) -> float:

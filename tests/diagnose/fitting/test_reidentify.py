@@ -1,9 +1,11 @@
 """The best fit of a model as it is."""
 
+import numpy as np
 import pytest
 
 from crashkit.diagnose.fitting import reidentify as module
-from crashkit.diagnose.fitting.reidentify import reidentify
+from crashkit.diagnose.fitting.reidentify import WIDTHS, reidentify, scattered, scattered_by_deviation
+from crashkit.diagnose.fitting.search import STEPS, begin
 from crashkit.model import Parameter
 
 
@@ -32,3 +34,24 @@ def test_it_is_looked_for_everywhere_only_where_something_is_left(workshop, mode
     search = reidentify(workshop, far_from(damped if has_more else model))
     assert (search.normalised > 1.5) == has_more
     assert bool(asked) == is_asked
+
+
+@pytest.fixture
+def fitted(workshop, model, misfit, recorded):
+    """The model at its best fit."""
+    start = misfit(model, slow=recorded(model, 0.9, 1), fast=recorded(model, 1.2, 2))
+    return begin(workshop.identifier, start).advance(STEPS).fitted()
+
+
+def test_starts_about_a_fit_leave_little_more_and_what_is_little_known_moves_most(fitted):
+    start, (_, jacobian) = fitted.start(), fitted.residual_and_jacobian(fitted.start())
+    points = [one.start() for one in scattered_by_deviation(fitted, 41)]
+    assert np.array_equal(points[0], start)
+    moves = np.array(points[1:]) - start
+    told = np.sqrt(np.sum((moves @ jacobian.T) ** 2, axis=1) / len(start))
+    assert 0.1 < np.median(told) / np.mean(WIDTHS) < 2.0
+    assert _left(scattered_by_deviation(fitted, 41)) < 0.1 * _left(scattered(fitted, 41))
+
+
+def _left(misfits):
+    return np.median([one.deviance(one.residual(one.start())) for one in misfits])

@@ -148,3 +148,12 @@ def test_what_blows_up_promises_nothing(workshop, model, recorded, misfit, monke
 
     monkeypatch.setattr(Misfit, "residual_and_jacobian", blown_up)
     assert scored(workshop, base, bias) is None
+
+
+def test_the_deviation_of_a_number_that_is_searched_in_its_logarithm_is_in_its_unit(workshop, model, recorded, misfit):
+    path, base = "joint.first.crush_force", misfit(fixed(model), run=recorded(model))
+    freed = base.model.with_parameters({path: model.parameters()[path]})
+    stronger = Proposal("strength", "constant", {"joint": "first"}, freed, (path,), null={path: freed.values()[path]})
+    told = scored(workshop, base, stronger).deviation
+    found = begin(workshop.identifier, workshop.misfit(base, freed)).advance(20).result()
+    assert told == pytest.approx(float(found.parameters["std"].sel(parameter=path)), rel=0.1)
