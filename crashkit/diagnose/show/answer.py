@@ -133,19 +133,21 @@ def _imitations_told(
 
 def _alternatives(look: Look, belief: float) -> list[Alternative]:
     """The other claims, as far as they are worth telling."""
+    return [Alternative(r.proposal.physics, r.proposal.form, dict(r.proposal.location), belief * p) for r, p in _others(look)]
+
+
+def _others(look: Look) -> list[tuple[Rival, float]]:
+    """The rivals that are worth telling, the most probable first: twins stand before others, whatever their odds."""
     others = zip(look.rivals[1:], look.probabilities[1:], strict=True)
-    return [
-        Alternative(r.proposal.physics, r.proposal.form, dict(r.proposal.location), belief * p)
-        for r, p in others
-        if p > WORTH_TELLING
-    ]
+    return sorted((one for one in others if one[1] > WORTH_TELLING), key=lambda one: -one[1])
 
 
 def _with_experiment(workshop: Workshop, discovery: Discovery, finding: Finding, look: Look) -> Finding:
     """The finding with the test that would tell it from its strongest rival, if that is worth telling."""
-    if len(look.rivals) < 2 or look.probabilities[1] < WORTH_TELLING:
+    known = _others(look)
+    if not known:
         return finding
-    first, second = look.rivals[:2]
+    first, second = look.leader, known[0][0]
     name = f"{second.proposal.physics} at {second.place}"
     others = [one.leader for one in discovery.findings if one is not look]
     beside = _beside(workshop, discovery, second, others) if others else None

@@ -166,7 +166,8 @@ def _lines_of(finding: Finding) -> list[str]:
     lines.append(f"  {finding.sentence}; " + ", ".join(f"{name} {number(e)}" for name, e in _main(finding)))
     if finding.alternatives and finding.alternatives[0].probability > IN_WORDS:
         rival = finding.alternatives[0]
-        lines.append(f"  or {rival.physics} at {place_of(rival.location)} ({rival.probability:.3f}); {finding.experiment}")
+        test = f"; {finding.experiment}" if finding.experiment else ""
+        lines.append(f"  or {rival.physics} at {place_of(rival.location)} ({rival.probability:.3f}){test}")
     if finding.is_split:
         lines.append(f"  {finding.physics}, at one of these places: {finding.anywhere:.3f}")
     return lines
