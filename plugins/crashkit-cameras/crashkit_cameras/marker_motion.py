@@ -9,8 +9,10 @@ from attrs import frozen
 from crashkit.data.instrument_errors import positions
 from crashkit.errors import CrashkitError
 from crashkit.protocols import Observer, Shown
+from crashkit_cameras.turning import turning, turning_slopes
 
 AXES = ("x", "y", "z")
+SLOPES = tuple(f"{name}_sensitivity" for name in ("position", "velocity", "rotation", "angular_velocity"))
 
 
 @frozen(eq=False)
@@ -98,17 +100,6 @@ def _between(instants: np.ndarray, nodes: _Nodes, before: np.ndarray, after: np.
     )
 
 
-def rotation_of(quaternion: np.ndarray) -> np.ndarray:
-    """The rotation matrices (..., 3, 3) of unit quaternions (w, x, y, z), (..., 4)."""
-    w, x, y, z = np.moveaxis(quaternion, -1, 0)
-    rows = (
-        (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
-        (2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)),
-        (2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)),
-    )
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
-
-
 def _nodes(
     observer: Observer,
     motion: xr.Dataset,
@@ -119,45 +110,46 @@ def _nodes(
     moving: Sequence[str],
 ) -> _Nodes:
     carriers = positions(observer, motion, "body", bodies)
-
-    def pick(name: str, columns: np.ndarray) -> np.ndarray:
-        if name not in motion.variables:
-            raise CrashkitError(f"{observer.name}: expected a motion with {name}, found none")
-        return motion.variables[name].values.take(rows, axis=0).take(carriers, axis=1).take(columns, axis=2)
+    if "orientation" in motion.variables:
+        return _turning_nodes(observer, motion, rows, carriers, points, axes)
 
     def along(name: str) -> np.ndarray:
-        values = pick(name, positions(observer, motion, "axis", moving))
+        columns = positions(observer, motion, "axis", moving)
+        values = _values(observer, motion, name).take(rows, axis=0).take(carriers, axis=1).take(columns, axis=2)
         if len(moving) == len(axes):
             return values
         full = np.zeros((*values.shape[:2], len(axes), *values.shape[3:]))
         full[:, :, [axis in moving for axis in axes]] = values
         return full
 
-    position, velocity, slope, velocity_slope = along("position"), along("velocity"), None, None
-    sensitive = "position_sensitivity" in motion.variables
-    if sensitive:
-        slope, velocity_slope = along("position_sensitivity"), along("velocity_sensitivity")
-    if "orientation" not in motion.variables:
-        return _Nodes(position + points, velocity, slope, velocity_slope)
+    slopes = SLOPES[:2] if SLOPES[0] in motion.variables else ()
+    position, velocity, *slopes_along = map(along, ("position", "velocity", *slopes))
+    return _Nodes(position + points, velocity, *(slopes_along or (None, None)))
 
+
+def _turning_nodes(
+    observer: Observer, motion: xr.Dataset, rows: np.ndarray, carriers: np.ndarray, points: np.ndarray, axes: Sequence[str]
+) -> _Nodes:
+    """Of markers on bodies that turn; their points lie on the axes that are wanted."""
     space = positions(observer, motion, "axis", AXES)
-    chosen = [AXES.index(axis) for axis in axes]
-    arm = _arms(pick("orientation", np.arange(4)), points, chosen)
-    spin = pick("angular_velocity", space)
-    position, velocity = position + arm[..., chosen], velocity + np.cross(spin, arm)[..., chosen]
-    if sensitive:
-        turn = np.cross(pick("rotation_sensitivity", space), arm[..., None], axis=2)
-        speed = np.cross(pick("angular_velocity_sensitivity", space), arm[..., None], axis=2)
-        speed += np.cross(spin[..., None], turn, axis=2)
-        slope, velocity_slope = slope + turn[:, :, chosen], velocity_slope + speed[:, :, chosen]
-    return _Nodes(position, velocity, slope, velocity_slope)
+
+    def vector(name: str) -> np.ndarray:
+        values = _values(observer, motion, name)
+        return values if np.array_equal(space, np.arange(3)) else values.take(space, axis=2)
+
+    wanted, full = np.array([AXES.index(axis) for axis in axes]), np.zeros((len(points), 3))
+    full[:, wanted] = points
+    spin, orientation = vector("angular_velocity"), _values(observer, motion, "orientation")
+    place, speed, arms = turning(rows, carriers, full, wanted, vector("position"), vector("velocity"), orientation, spin)
+    if SLOPES[0] not in motion.variables:
+        return _Nodes(place, speed, None, None)
+    return _Nodes(place, speed, *turning_slopes(rows, carriers, arms, wanted, spin, *map(vector, SLOPES)))
 
 
-def _arms(quaternion: np.ndarray, points: np.ndarray, chosen: Sequence[int]) -> np.ndarray:
-    """R p, (node, marker, 3); the points lie on the chosen axes only."""
-    full = np.zeros((len(points), 3))
-    full[:, chosen] = points
-    return np.asarray((rotation_of(quaternion) @ full[..., None])[..., 0])
+def _values(observer: Observer, motion: xr.Dataset, name: str) -> np.ndarray:
+    if name not in motion.variables:
+        raise CrashkitError(f"{observer.name}: expected a motion with {name}, found none")
+    return np.ascontiguousarray(motion.variables[name].values)
 
 
 def _interpolated(
