@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from crashkit import api
 from crashkit.cli import main
 from crashkit.data.netcdf import read_tree
 from crashkit.data.recording import write_recording
@@ -108,7 +107,7 @@ def test_a_diagnosis_that_fails_has_told_what_it_did_and_leaves_no_folder(files,
         progress("fitting clearance at joint first", 0.54)
         raise CrashkitError("no")
 
-    monkeypatch.setattr(api, "diagnose", diagnose)
+    monkeypatch.setattr("crashkit.api.diagnosis.diagnose", diagnose)
     line = ["diagnose", str(files / "model.toml"), str(files / "run.nc"), "--output", str(tmp_path / "new" / "out")]
     assert main(line) == 2
     assert capsys.readouterr() == ("", "fitting clearance at joint first\ncrashkit: no\n")

@@ -9,7 +9,6 @@ import pytest
 import xarray as xr
 from attrs import evolve
 
-from crashkit import api
 from crashkit.api import load_model
 from crashkit.cli import main
 from crashkit.data.netcdf import read_tree
@@ -48,7 +47,7 @@ def test_it_prints_a_table_and_needs_no_output(folder, capsys):
 
 
 def test_progress_is_told_every_so_often(folder, capsys, monkeypatch):
-    monkeypatch.setattr(api, "PROGRESS_INTERVAL", np.inf)
+    monkeypatch.setattr("crashkit.api.files.PROGRESS_INTERVAL", np.inf)
     assert main(command(folder, "--method", "sensitivity")) == 0
     assert re.fullmatch(r"step 1: cost \S+\n", capsys.readouterr().err)
 
