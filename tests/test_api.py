@@ -250,3 +250,24 @@ def test_runs_of_one_name_keep_their_folders(given, tmp_path):
     (tmp_path / "run.nc").write_bytes((given / "run.nc").read_bytes())
     names = list(api.load_recordings([given / "run.nc", tmp_path / "run.nc"]))
     assert names == [str(given / "run.nc"), str(tmp_path / "run.nc")]
+
+
+def test_recordings_in_memory_are_diagnosed_as_their_files_are(quick, given):
+    model, recordings = api.load_model(given / "model.toml"), api.load_recordings(given / "run.nc")
+    from_files, in_memory = (
+        api.diagnose_files(given / "model.toml", given / "run.nc"),
+        api.diagnose_recordings(model, recordings),
+    )
+    assert in_memory.summary == from_files.summary
+
+
+def test_recordings_in_memory_keep_the_contract(quick, given):
+    model, recordings = api.load_model(given / "model.toml"), api.load_recordings(given / "run.nc")
+    film = recordings["run.nc"]["film"].to_dataset(inherit=False)
+    broken = recordings["run.nc"].assign(film=xr.DataTree(film.drop_vars("marker_body")))
+    with pytest.raises(CrashkitError, match=r"^of mine: film: marker_body: "):
+        api.diagnose_recordings(model, {"of mine": broken})
+    with pytest.raises(CrashkitError, match=r"^run\.nc: expected each run once, fitted or held out, found it twice$"):
+        api.diagnose_recordings(model, recordings, recordings)
+    with pytest.raises(CrashkitError, match=r"^seconds: expected a number above 0, found 0\.0$"):
+        api.diagnose_recordings(model, recordings, seconds=0.0)

@@ -3,7 +3,7 @@
 Files are named by text or by a `Path`. Where several are asked for, one alone stands for a list of it.
 """
 
-from crashkit.api.diagnosis import diagnose_files, run_demo, workshop
+from crashkit.api.diagnosis import diagnose_files, diagnose_recordings, run_demo, workshop
 from crashkit.api.files import load_model, load_recordings
 from crashkit.api.identification import Identified, identify_files
 from crashkit.api.recordings import check_files, cross_check_file, import_recording, list_channels, simulate_file
@@ -14,6 +14,7 @@ __all__ = [
     "check_files",
     "cross_check_file",
     "diagnose_files",
+    "diagnose_recordings",
     "identify_files",
     "import_recording",
     "list_channels",

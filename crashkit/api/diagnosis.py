@@ -1,12 +1,16 @@
 """Diagnoses of models and recordings in files."""
 
 import math
+from collections.abc import Mapping
 from contextlib import nullcontext
 
-from crashkit.api.files import File, Files, Show, load_runs, path_of, paths_of, silent, told
+import xarray as xr
+
+from crashkit.api.files import File, Files, Show, check_given, load_runs, path_of, paths_of, silent, told
 from crashkit.data.files import folder_to_fill
 from crashkit.diagnose import Diagnosis, Workshop, diagnose
 from crashkit.errors import CrashkitError
+from crashkit.model import Model
 from crashkit.model.toml import write_model
 from crashkit.registry import Registry, load
 from crashkit.report import write_curves, write_json, write_report
@@ -55,18 +59,39 @@ def diagnose_files(
 
     Raises CrashkitError for files that cannot be used, with every fault.
     """
-    if not seconds > 0.0:
-        raise CrashkitError(f"seconds: expected a number above 0, found {seconds}")
     given, recordings, unseen = load_runs(path_of(model), paths_of(runs), paths_of(holdout))
     folder = None if output is None else path_of(output)
     with folder_to_fill(folder) if folder else nullcontext():
-        result = diagnose(given, recordings, unseen, workshop(), told(progress), seconds)
+        result = diagnose_recordings(given, recordings, unseen, progress, seconds)
         if folder:
             write_model(result.augmented_model, folder / "augmented_model.toml", load().spring_laws)
             write_report(result, folder)
             write_curves(result, folder / "curves.nc")
             write_json(result, folder / "diagnosis.json")
     return result
+
+
+def diagnose_recordings(
+    model: Model,
+    recordings: Mapping[str, xr.DataTree],
+    holdout: Mapping[str, xr.DataTree] | None = None,
+    progress: Show = silent,
+    seconds: float = math.inf,
+) -> Diagnosis:
+    """The same for a model and recordings in memory; `crashkit.report` writes what it says.
+
+    Arguments:
+        model: as the user believes it.
+        recordings: to fit, by the names of their runs.
+        holdout: to predict, likewise, under other names.
+        progress, seconds: as above.
+
+    Raises CrashkitError for a recording that breaks the data contract or does not suit the model, with every fault.
+    """
+    if not seconds > 0.0:
+        raise CrashkitError(f"seconds: expected a number above 0, found {seconds}")
+    check_given(model, recordings, holdout or {})
+    return diagnose(model, recordings, holdout or {}, workshop(), told(progress), seconds)
 
 
 def run_demo(seed: int | None = None, output: File = "demo", open_page: bool = True, progress: Show = silent) -> str:

@@ -1,16 +1,17 @@
 """What every function on files needs: models and recordings by their files, and progress in sentences."""
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from time import monotonic
 
 import xarray as xr
 
-from crashkit.data.recording import read_recording
+from crashkit.data.recording import check_recording, read_recording
 from crashkit.diagnose.result import run_name
-from crashkit.errors import CrashkitError
+from crashkit.errors import CrashkitError, raise_together
 from crashkit.misfit.together import check_runs
 from crashkit.model import Model
 from crashkit.model.toml import read_model
@@ -45,25 +46,40 @@ def load_runs(
     model: Path, runs: Sequence[Path], others: Sequence[Path]
 ) -> tuple[Model, dict[str, xr.DataTree], dict[str, xr.DataTree]]:
     """A model, the recordings to fit and those that are only predicted, each checked against it."""
-    if not runs:
-        raise CrashkitError("runs: expected at least one recording to fit, found none")
     counts = Counter(path.resolve() for path in (*runs, *others))
     given_twice = [path for path in (*runs, *others) if counts[path.resolve()] > 1]
     if given_twice:
         raise CrashkitError(f"{given_twice[0]}: expected each run once, fitted or held out, found it twice")
-    given, everything = load_model(model), load_recordings([*runs, *others])
-    check_runs(given, everything, load().observers)
-    pairs = list(everything.items())
-    return given, dict(pairs[: len(runs)]), dict(pairs[len(runs) :])
+    pairs = list(load_recordings([*runs, *others]).items())
+    given, fitted, predicted = load_model(model), dict(pairs[: len(runs)]), dict(pairs[len(runs) :])
+    check_given(given, fitted, predicted)
+    return given, fitted, predicted
+
+
+def check_given(model: Model, recordings: Mapping[str, xr.DataTree], others: Mapping[str, xr.DataTree]) -> None:
+    """Whether recordings to fit and to predict, by the names of their runs, keep the data contract and suit a model.
+
+    Raises CrashkitError with every fault of the recordings, or of what they share with the model.
+    """
+    if not recordings:
+        raise CrashkitError("runs: expected at least one recording to fit, found none")
+    if both := sorted(set(recordings) & set(others)):
+        raise CrashkitError(f"{both[0]}: expected each run once, fitted or held out, found it twice")
+    everything, observers = {**recordings, **others}, load().observers
+    schemas = {name: observer.schema for name, observer in observers.items()}
+    raise_together([partial(check_recording, tree, schemas, run) for run, tree in everything.items()])
+    check_runs(model, everything, observers)
 
 
 def path_of(file: File) -> Path:
+    """The path of a file; raises CrashkitError for what is none."""
     if not isinstance(file, str | PathLike):
         raise CrashkitError(f"expected a path, found {file!r}")
     return Path(file)
 
 
 def paths_of(files: Files) -> list[Path]:
+    """The paths of several files, or of one."""
     return [path_of(file) for file in ([files] if isinstance(files, str | PathLike) else files)]
 
 
@@ -73,13 +89,13 @@ def silent(message: str) -> None:
 
 def told(progress: Show) -> Callable[[str, float], None]:
     """Progress in whole sentences: new work is told at once, then one line every few seconds."""
-    last, told = "", 0.0
+    last, when = "", 0.0
 
     def tell(doing: str, share: float) -> None:
-        nonlocal last, told
+        nonlocal last, when
         work, now = doing.split()[0], monotonic()
-        if work != last or now - told > PROGRESS_INTERVAL:
-            last, told = work, now
+        if work != last or now - when > PROGRESS_INTERVAL:
+            last, when = work, now
             progress(doing)
 
     return tell
