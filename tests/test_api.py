@@ -265,7 +265,9 @@ def test_recordings_in_memory_keep_the_contract(quick, given):
     model, recordings = api.load_model(given / "model.toml"), api.load_recordings(given / "run.nc")
     film = recordings["run.nc"]["film"].to_dataset(inherit=False)
     broken = recordings["run.nc"].assign(film=xr.DataTree(film.drop_vars("marker_body")))
-    with pytest.raises(CrashkitError, match=r"^of mine: film: marker_body: "):
+    with pytest.raises(
+        CrashkitError, match=r"^of mine: film/marker_body: expected a variable with dims \(marker\), found none$"
+    ):
         api.diagnose_recordings(model, {"of mine": broken})
     with pytest.raises(CrashkitError, match=r"^run\.nc: expected each run once, fitted or held out, found it twice$"):
         api.diagnose_recordings(model, recordings, recordings)
