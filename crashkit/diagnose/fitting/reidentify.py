@@ -10,6 +10,7 @@ from crashkit.campaign import spread
 from crashkit.diagnose.fitting.back_to_given import begun_from_given
 from crashkit.diagnose.fitting.continuation import grown
 from crashkit.diagnose.fitting.evidence import explains
+from crashkit.diagnose.fitting.quadratic import tangent
 from crashkit.diagnose.fitting.regress import regression
 from crashkit.diagnose.fitting.search import STEPS, Search, advance_all, begin_all, weighed
 from crashkit.diagnose.fitting.thresholds import wakened
@@ -87,12 +88,15 @@ def scattered_by_deviation(misfit: Misfit, count: int) -> list[Misfit]:
     """The misfit at its model's values, and at others the further about them the less the recordings tell; the same each time.
 
     Steps are of some standard deviations along each axis of the parameters' covariance: optima that leave about as little lie
-    there. Starts that are scattered alike in all directions leave far more, and lead elsewhere.
+    there. Starts that are scattered alike in all directions leave far more, and lead elsewhere; they are what there is where
+    no covariance is known.
     """
     start, (lower, upper) = misfit.start(), misfit.bounds()
+    here = tangent(misfit, start)
+    if here is None:
+        return scattered(misfit, count)
     relative = np.abs(misfit.parameters(start)) / misfit.scaling(start)
-    slopes = misfit.residual_and_jacobian(start)[1] * relative
-    information, axes = np.linalg.eigh(slopes.T @ slopes)
+    information, axes = np.linalg.eigh(here.square.curvature * np.outer(relative, relative))
     deviations = 1.0 / np.sqrt(np.maximum(information, 1.0 / FARTHEST**2))
     random = np.random.default_rng(0).normal(0.0, 1.0, (count - 1, len(start)))
     widths = np.resize(WIDTHS, count - 1)[:, None]

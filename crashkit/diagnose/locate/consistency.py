@@ -117,7 +117,8 @@ def _rows(comparisons: list[Comparison]) -> list[tuple[str | float, ...]]:
         estimate, std, left = _estimate(comparisons, error)
         sigma = abs(estimate) / std
         if error == "gain":
-            estimate, std = estimate / (1.0 - estimate), std / (1.0 - estimate) ** 2
+            recorded_per_true = 1.0 / (1.0 - estimate) if estimate != 1.0 else np.inf
+            estimate, std = recorded_per_true - 1.0, std * recorded_per_true**2
         verdict = "inconsistent (as an error of " if sigma > SIGNIFICANT else "consistent ("
         sentence = (
             f"{first.accelerometer} against {first.film} on {first.body}{first.along}: {verdict}"
