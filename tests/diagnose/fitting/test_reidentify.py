@@ -55,3 +55,9 @@ def test_starts_about_a_fit_leave_little_more_and_what_is_little_known_moves_mos
 
 def _left(misfits):
     return np.median([one.deviance(one.residual(one.start())) for one in misfits])
+
+
+def test_where_no_covariance_is_known_starts_are_scattered_alike(fitted, monkeypatch):
+    monkeypatch.setattr(module, "tangent", lambda misfit, point: None)
+    alike = [one.start() for one in scattered(fitted, 5)]
+    assert np.array_equal([one.start() for one in scattered_by_deviation(fitted, 5)], alike)
