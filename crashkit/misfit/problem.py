@@ -1,12 +1,12 @@
 """The misfit between a model and recordings in measurement space: what an Identifier minimises."""
 
-import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import xarray as xr
-from attrs import evolve, frozen
+from attrs import evolve
 
 from crashkit.mechanics import Engine, Simulator
 from crashkit.misfit.apart import kept_apart
@@ -16,30 +16,12 @@ from crashkit.misfit.fine_step import crude_step
 from crashkit.misfit.noise import Noise
 from crashkit.misfit.predictor import STEP, Prediction, Predictor
 from crashkit.misfit.rows import Rows, rows_of
-from crashkit.model import Model, Parameter
+from crashkit.misfit.variables import NO_PRIOR, Prior, SearchVariables
+from crashkit.model import Model
 from crashkit.protocols import Laws, Observer
 
 
-@frozen
-class Prior:
-    """What is known of parameters beforehand.
-
-    Attributes:
-        centres: values by path, none of them 0.
-        std: relative to each; of its logarithm where that is searched.
-    """
-
-    centres: Mapping[str, float]
-    std: float
-
-
-NO_PRIOR = Prior({}, math.inf)
-FARTHEST = 10.0
-"""Standard deviations. A model without what it lacks may drive a stiffness to a thousand times what the user believes: its
-joint then rattles, each run takes a hundred times as long, and nothing is learnt."""
-
-
-class Misfit:
+class Misfit(SearchVariables):
     """Weighted residuals (recorded - predicted) / std of a model over recordings; a Problem for identifiers.
 
     Arguments:
@@ -71,18 +53,12 @@ class Misfit:
         step: float = STEP,
         prior: Prior = NO_PRIOR,
     ) -> None:
-        self.prior = prior
+        super().__init__(kept_apart(model, simulator.layout.increasing()), prior)
         self.model = model
         self.recordings = recordings
         self.simulator = simulator
         self.groups = tuple(groups)
         self.step = step
-        free = kept_apart(model, simulator.layout.increasing())
-        self.names, self._free = tuple(free), tuple(free.values())
-        self._log = np.array([parameter.lower > 0 for parameter in self._free], dtype=bool)
-        expected = [self._expected(name, parameter) for name, parameter in free.items()]
-        self._known = np.flatnonzero([std < math.inf for _, std in expected])
-        self._centres, self._stds = np.array(expected).reshape(-1, 2)[self._known].T
 
     @cached_property
     def predictor(self) -> Predictor:
@@ -107,44 +83,6 @@ class Misfit:
     def sample_count(self) -> int:
         """How many residuals are of samples that were recorded."""
         return sum(len(rows.recorded) for rows in self._rows)
-
-    def start(self) -> np.ndarray:
-        """The model's own values, as search variables."""
-        return self.scaled(np.array([parameter.value for parameter in self._free]))
-
-    def start_at(self, values: Mapping[str, float]) -> np.ndarray:
-        """These values by path, and the model's own for the rest, as search variables."""
-        return self.scaled(np.array([values.get(n, p.value) for n, p in zip(self.names, self._free, strict=True)]))
-
-    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper bounds of the search variables; logarithms stay within `FARTHEST` of what is known beforehand."""
-        lower, upper = (self.scaled(np.array([getattr(one, end) for one in self._free])) for end in ("lower", "upper"))
-        known = [i for i in np.flatnonzero(self._log) if self.names[i] in self.prior.centres]
-        centres = np.log([self.prior.centres[self.names[i]] for i in known])
-        lower[known] = np.maximum(lower[known], centres - FARTHEST * self.prior.std)
-        upper[known] = np.minimum(upper[known], centres + FARTHEST * self.prior.std)
-        return lower, upper
-
-    def scaled(self, values: np.ndarray) -> np.ndarray:
-        """Search variables: the logarithm of parameters whose lower bound is above 0."""
-        scaled = np.array(values, dtype=float)
-        scaled[self._log] = np.log(scaled[self._log])
-        return scaled
-
-    def parameters(self, scaled: np.ndarray) -> np.ndarray:
-        """The parameters in their own units."""
-        values = np.array(scaled, dtype=float)
-        with np.errstate(over="ignore"):  # an interval that is open has no end
-            values[self._log] = np.exp(values[self._log])
-        return values
-
-    def scaling(self, scaled: np.ndarray) -> np.ndarray:
-        """d parameter / d search variable."""
-        return np.where(self._log, self.parameters(scaled), 1.0)
-
-    def values(self, scaled: np.ndarray) -> dict[str, float]:
-        """The parameters by path."""
-        return dict(zip(self.names, self.parameters(scaled).tolist(), strict=True))
 
     def residual(self, scaled: np.ndarray) -> np.ndarray:
         """Weighted residuals, one for each sample that was recorded; a sample that the simulation does not reach has 0.
@@ -173,24 +111,6 @@ class Misfit:
             return residual, jacobian
         departure, own = self.belief(scaled)
         return np.concatenate([residual, departure]), np.concatenate([jacobian, own])
-
-    def belief(self, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The residuals of what is known of parameters beforehand, and their derivatives to the search variables."""
-        return self._departure(scaled), np.eye(len(scaled))[self._known] / self._stds[:, None]
-
-    def departure(self, scaled: np.ndarray) -> float:
-        """How far parameters are from what is known of them beforehand, as chi squared."""
-        return float(np.sum(self._departure(scaled) ** 2))
-
-    def _departure(self, scaled: np.ndarray) -> np.ndarray:
-        return np.asarray((scaled[self._known] - self._centres) / self._stds)
-
-    def _expected(self, name: str, parameter: Parameter) -> tuple[float, float]:
-        """Mean and standard deviation of a search variable beforehand."""
-        if name not in self.prior.centres:
-            return 0.0, parameter.size
-        centre, std = self.prior.centres[name], self.prior.std
-        return (math.log(centre), std) if parameter.lower > 0 else (centre, std * abs(centre))
 
     def channel_sums(self, residual: np.ndarray) -> np.ndarray:
         """The sum of squares of each channel's weighted residuals; a channel at its noise gives its independent samples."""
@@ -223,26 +143,25 @@ class Misfit:
             tuple(reweighted(g, i, one[:, i]) for i in range(len(g.channels)))
             for g, one in zip(self.groups, left, strict=True)
         ]
-        return self._with(self.model, [evolve(g, channels=own) for g, own in zip(self.groups, levels, strict=True)])
+        return self._with(groups=[evolve(g, channels=own) for g, own in zip(self.groups, levels, strict=True)])
 
     def with_levels(self, levels: Mapping[tuple[str, str, str], Noise]) -> "Misfit":
         """The same misfit with the noise levels of others for some channels, by (instrument, sensor, axis)."""
-        groups = [evolve(g, channels=tuple(_levelled(c, levels) for c in g.channels)) for g in self.groups]
-        return self._with(self.model, groups)
+        return self._with(groups=[evolve(g, channels=tuple(_levelled(c, levels) for c in g.channels)) for g in self.groups])
 
     def without_sensor(self, instrument: str, sensor: str) -> "Misfit":
         """The same misfit as if a sensor had recorded nothing."""
-        return self._with(self.model, [one.without(sensor) if one.name == instrument else one for one in self.groups])
+        return self._with(groups=[one.without(sensor) if one.name == instrument else one for one in self.groups])
 
     def with_model(self, model: Model, laws: Laws, engine: Engine | None = None) -> "Misfit":
         """The misfit of another model to the same recordings, with the same weights."""
-        return self._with(model, list(self.groups), Simulator(model, laws, engine))
+        return self._with(model=model, simulator=Simulator(model, laws, engine))
 
     def with_values(self, values: Mapping[str, float], free: Mapping[str, bool] | None = None) -> "Misfit":
         """The misfit of the same structure at other values; `free` frees or fixes parameters by path."""
         model = self.model.at(values)
         changes = {path: evolve(model.parameters()[path], fixed=not is_free) for path, is_free in (free or {}).items()}
-        return self._with(model.with_parameters(changes), list(self.groups))
+        return self._with(model=model.with_parameters(changes))
 
     def with_values_of(self, other: "Misfit") -> "Misfit":
         """The same misfit with the numbers that its model shares with another's where they stand in that."""
@@ -251,49 +170,39 @@ class Misfit:
 
     def with_prior(self, std: float) -> "Misfit":
         """The same misfit when its model's values are known to about `std`, relative to each; of zeros nothing is known."""
-        centres = {n: p.value for n, p in zip(self.names, self._free, strict=True) if p.value and math.isinf(p.size)}
-        copy = object.__new__(Misfit)
-        copy._setup(self.model, self.recordings, self.groups, self.simulator, self.step, Prior(centres, std))
-        return copy
+        return self._with(prior=self.known_to(std))
 
     def with_recordings(self, runs: tuple[str, ...]) -> "Misfit":
         """The same misfit over some of the runs."""
         chosen = {run: self.recordings[run] for run in runs}
-        copy = object.__new__(Misfit)
-        groups = [group for group in self.groups if group.run in chosen]
-        copy._setup(self.model, chosen, groups, self.simulator, self.step, self.prior)
-        return copy
+        return self._with(recordings=chosen, groups=[group for group in self.groups if group.run in chosen])
 
     def with_step(self, step: float) -> "Misfit":
         """The same misfit with another longest step of the integration, s."""
-        copy = object.__new__(Misfit)
-        copy._setup(self.model, self.recordings, self.groups, self.simulator, step, self.prior)
-        return copy
+        return self._with(step=step)
 
     @cached_property
     def coarse(self) -> "Misfit":
         """The same at fewer instants and in steps of the integration as long as these bear, for first guesses."""
-        copy = object.__new__(Misfit)
-        groups = [coarse_group(group) for group in self.groups]
-        copy._setup(self.model, self.recordings, groups, self.simulator, COARSER * self.step, self.prior)
-        return copy.with_step(crude_step(copy))
+        thin = self._with(groups=[coarse_group(group) for group in self.groups], step=COARSER * self.step)
+        return thin.with_step(crude_step(thin))
 
     def up_to(self, share: float) -> "Misfit":
         """The same over the first part of the time recorded: what happens early is known before what happens late."""
         end = share * max(float(group.times[-1]) for group in self.groups)
         early = [one for one in (early_group(group, end) for group in self.groups) if one is not None]
-        return self._with(self.model, early)
+        return self._with(groups=early)
 
     def at_speed(self, factor: float) -> "Misfit":
         """The same instruments in tests with all initial velocities multiplied, to ask what such tests would show."""
-        copy = object.__new__(Misfit)
         faster = {run: _faster(recording, factor) for run, recording in self.recordings.items()}
-        copy._setup(self.model, faster, list(self.groups), self.simulator, self.step)
-        return copy
+        return self._with(recordings=faster, prior=NO_PRIOR)
 
-    def _with(self, model: Model, groups: list[Group], simulator: Simulator | None = None) -> "Misfit":
+    def _with(self, **changes: Any) -> "Misfit":
+        """Another misfit, made without a look at its recordings."""
+        names = ("model", "recordings", "groups", "simulator", "step", "prior")
         copy = object.__new__(Misfit)
-        copy._setup(model, self.recordings, groups, simulator or self.simulator, self.step, self.prior)
+        copy._setup(**({name: getattr(self, name) for name in names} | changes))
         return copy
 
     def _residual(self, predictions: list[Prediction]) -> np.ndarray:
