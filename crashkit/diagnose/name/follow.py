@@ -16,6 +16,7 @@ from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look, compared, look_again
 from crashkit.diagnose.name.pace import check_pace
+from crashkit.diagnose.name.pairs import named_beside
 from crashkit.diagnose.name.settle import settled
 from crashkit.misfit import Misfit
 from crashkit.model import Model
@@ -76,6 +77,7 @@ def followed(inquiry: Inquiry, begun: Sequence[Look], look: Look, near: Look | N
             next look begins with it.
     """
     findings, search = list(begun), begun[-1].leader.search if begun else inquiry.base
+    look = in_time(look, named_beside, inquiry, look, findings)
     while look.winner is not None and not _corrects(look.winner, findings) and not _is_one_too_many(look.winner, findings):
         freed = _freed(findings, search, look.winner)
         findings, search = freed or _one_more(inquiry, findings, look, look.winner)
@@ -84,7 +86,7 @@ def followed(inquiry: Inquiry, begun: Sequence[Look], look: Look, near: Look | N
         further = in_time(None, _look_beside, inquiry, search, findings, near)
         if further is None:
             break
-        look = further
+        look = in_time(further, named_beside, inquiry, further, findings)
         completed = in_time(None, _completed, inquiry, findings, search, look)
         if completed is not None:
             findings, search = completed

@@ -10,6 +10,7 @@ from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.name.forms import along, with_form
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.result import UNKNOWN, place_of
+from crashkit.misfit import Misfit
 
 SHARES = (1 / 3, 1.0)
 """Of the time recorded, looked at one after the other while only the numbers at the place move."""
@@ -19,13 +20,17 @@ CLAIMS = (4, 60)
 """The same for the best form of each claim."""
 
 
-def imitating(inquiry: Inquiry, table: Rival) -> list[Candidate]:
+def imitating(inquiry: Inquiry, table: Rival, without: Misfit) -> list[Candidate]:
     """Fits of the known causes at the place of an estimated force.
 
     A cause that is not named drives the model's own numbers away, and a search that begins there may never come back. Beside
     the estimate they are about right, so that each cause only has to find its own, and those of its place.
+
+    Arguments:
+        table: the estimate.
+        without: the misfit of the model without it.
     """
-    origin, place = inquiry.base.misfit.with_values_of(table.search.fitted()), table.place
+    origin, place = without.with_values_of(table.search.fitted()), table.place
     known = [p for p in propose_all(inquiry.workshop, origin) if p.physics != UNKNOWN and place_of(p.location) == place]
     equipped = inquiry.workshop.equipped([proposal.model for proposal in known])
     here = tuple(f"{kind}.{name}." for kind, name in table.proposal.location.items())

@@ -43,6 +43,20 @@ def named_before_unknown(inquiry: Inquiry, look: Look) -> tuple[list[Look], Look
     return [], look
 
 
+def named_beside(inquiry: Inquiry, look: Look, findings: Sequence[Look]) -> Look:
+    """The look; or, where an unknown force has won it beside findings, with a known cause at its place that is all there is.
+
+    Beside what was found first a known cause may be caught where that had bent the numbers of its place, and the table not.
+    Where a finding is already, an estimate only says how far the form of that is off.
+    """
+    table, places = look.winner, [one.leader.place for one in findings]
+    if not places or table is None or not is_unknown(table) or table.place in places:
+        return look
+    fitted = ranked_by_evidence(imitating(inquiry, table, look.before), table.without)
+    named = compared(look, best_forms(by_evidence([*look.rivals, *fitted])))
+    return named if _beats(named.winner, table) or _is_all(named.winner, table) else look
+
+
 def both(inquiry: Inquiry, look: Look) -> tuple[Look, Look] | None:
     """The leading couple of a look as two findings, each in the light of the other; None where one cannot be placed alone, or
     the second does not convince beside the first."""
@@ -75,12 +89,12 @@ def _beats(rival: Rival | None, table: Rival) -> bool:
 
 def _is_all(rival: Rival | None, table: Rival) -> bool:
     """Whether nothing is left beside a named cause, which has fewer numbers than a table that leaves hardly less."""
-    return rival is not None and explains(rival.search) and rival.evidence > table.evidence
+    return rival is not None and not is_unknown(rival) and explains(rival.search) and rival.evidence > table.evidence
 
 
 def _named(inquiry: Inquiry, look: Look, table: Rival) -> Look:
     """The look without estimates, with what imitates its table, its winner in the best form."""
-    imitations = imitating(inquiry, table)
+    imitations = imitating(inquiry, table, look.before)
     rivals = [*look.rivals, *ranked_by_evidence(imitations, table.without)]
     known = by_evidence(rival for rival in rivals if not is_unknown(rival))
     first = compared(look, best_forms(known))

@@ -129,6 +129,7 @@ def test_beside_two_that_leave_a_trace_of_what_is_gross_no_third_is_looked_for(m
         raise AssertionError("nothing more was to be asked")
 
     monkeypatch.setattr(questioned, "_freed", lambda *_: None)
+    monkeypatch.setattr(questioned, "named_beside", lambda inquiry, look, findings: look)
     monkeypatch.setattr(questioned, "_one_more", lambda _, findings, look, winner: ([*findings, look], winner.search))
     monkeypatch.setattr(questioned, "look_again", look_again)
     base = leaving("nothing", 40.0).leader.search
@@ -144,6 +145,7 @@ def test_a_third_cause_is_only_estimated_where_it_leaves_nothing(monkeypatch, in
     """Two forms that are off look like one."""
     looks = iter([leaving("unknown", left)])
     monkeypatch.setattr(questioned, "_freed", lambda *_: None)
+    monkeypatch.setattr(questioned, "named_beside", lambda inquiry, look, findings: look)
     monkeypatch.setattr(questioned, "_one_more", lambda _, findings, look, winner: ([*findings, look], winner.search))
     monkeypatch.setattr(questioned, "_questioned", lambda _, findings, search, last: (findings, search))
     monkeypatch.setattr(questioned, "look_again", lambda *_, **__: next(looks))

@@ -30,7 +30,7 @@ def table(workshop, base):
 
 def test_the_cause_is_found_with_its_numbers(inquiry, base, table):
     assert is_unknown(table) and table.search.normalised < 0.5 * base.normalised
-    proposal, search = min(imitating(inquiry(base), table), key=lambda one: one.priced)
+    proposal, search = min(imitating(inquiry(base), table, base.misfit), key=lambda one: one.priced)
     assert identity(proposal) == ("fracture", "joint first")
     assert search.normalised == pytest.approx(1.0, abs=0.03)
     values = search.misfit.values(search.point)
@@ -39,7 +39,7 @@ def test_the_cause_is_found_with_its_numbers(inquiry, base, table):
 
 
 def test_each_claim_comes_once_and_is_about_the_same_place(inquiry, base, table):
-    claims = [identity(proposal) for proposal, _ in imitating(inquiry(base), table)]
+    claims = [identity(proposal) for proposal, _ in imitating(inquiry(base), table, base.misfit)]
     assert len(set(claims)) == len(claims) > 1
     assert {place for _, place in claims} == {"joint first"}
     assert not {physics for physics, _ in claims} & {"unknown"}

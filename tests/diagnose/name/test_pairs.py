@@ -14,7 +14,7 @@ from crashkit.protocols import Proposal
 
 
 def rival(physics, deviance, normalised=1.5):
-    search = SimpleNamespace(deviance=deviance, normalised=normalised, fitted=lambda: None)
+    search = SimpleNamespace(deviance=deviance, normalised=normalised, excess=normalised**2 - 1.0, fitted=lambda: None)
     drop = 5000.0 - deviance
     return Rival(Proposal(physics, "", {"joint": "front"}, None, ("a",), {}), search, drop, 0.5 * drop)
 
@@ -105,3 +105,31 @@ def test_a_cause_that_imitates_the_table_and_fits_better_comes_first(named):
         [],
         UNKNOWN,
     )
+
+
+@pytest.fixture
+def beside(monkeypatch, inquiry):
+    """What stands in the place of a look that a table won beside a finding, where what imitates the table fits so well."""
+
+    def ask(place, imitation, is_all):
+        monkeypatch.setattr(pairs, "explains", lambda search: is_all)
+        monkeypatch.setattr(pairs, "imitating", lambda *_: [("fracture", imitation)])
+        monkeypatch.setattr(pairs, "ranked_by_evidence", lambda found, reference: [rival(*one) for one in found])
+        found = rival("clearance", 3000.0)
+        first = won_by(evolve(found, proposal=evolve(found.proposal, location={"joint": place})))
+        return pairs.named_beside(inquiry(None), won_by(TABLE), [first]).leader.proposal.physics
+
+    return ask
+
+
+@pytest.mark.parametrize(
+    ("imitation", "is_all", "told"),
+    [(990.0, False, "fracture"), (1100.0, False, UNKNOWN), (990.0, True, "fracture"), (1100.0, True, UNKNOWN)],
+)
+def test_beside_a_finding_a_known_cause_comes_before_an_estimate_of_it(beside, imitation, is_all, told):
+    """Of one that leaves more, the evidence here is less."""
+    assert beside("rear", imitation, is_all) == told
+
+
+def test_an_estimate_at_the_place_of_a_finding_is_not_named(beside):
+    assert beside("front", 990.0, True) == UNKNOWN
