@@ -9,10 +9,10 @@ import numpy as np
 from crashkit.campaign import spread
 from crashkit.diagnose.fitting.back_to_given import begun_from_given
 from crashkit.diagnose.fitting.continuation import grown
-from crashkit.diagnose.fitting.evidence import explains
+from crashkit.diagnose.fitting.evidence import UNEXPLAINED, explains
 from crashkit.diagnose.fitting.quadratic import tangent
 from crashkit.diagnose.fitting.regress import regression
-from crashkit.diagnose.fitting.search import STEPS, Search, advance_all, begin_all, weighed
+from crashkit.diagnose.fitting.search import STEPS, Search, advance_all, begin, begin_all, weighed
 from crashkit.diagnose.fitting.thresholds import wakened
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
@@ -30,6 +30,8 @@ WIDTHS = (8.0, 16.0)
 """Standard deviations of the steps from these."""
 FARTHEST = 0.3
 """Longest of these steps, relative to the values."""
+TOLD = 2.0 / FARTHEST**2
+"""Inverse of a relative variance above which recordings tell anything: what they do not stays where the user gave it."""
 
 
 def reidentify(workshop: Workshop, misfit: Misfit) -> Search:
@@ -68,8 +70,12 @@ def _found(finder: Identifier[Any], misfit: Misfit) -> Mapping[str, float]:
 
 
 def refine(identifier: Identifier[Any], misfit: Misfit) -> Search:
-    """The fit from values that are already good, and from others about them: a better optimum may be near."""
-    searches = begin_all(identifier, scattered_by_deviation(misfit, REFINING[0][0]))
+    """The fit from values that are already good, and from others about them: a better optimum may be near.
+
+    Where they are not, as beside a run that they were not fitted to, the covariance there says little of where it may be.
+    """
+    about = scattered_by_deviation if begin(identifier, misfit).normalised < UNEXPLAINED else scattered
+    searches = begin_all(identifier, about(misfit, REFINING[0][0]))
     for size, steps in REFINING:
         searches = advance_all(sorted(searches, key=lambda search: search.deviance)[:size], steps)
     return min(searches, key=lambda search: search.deviance)
@@ -88,8 +94,8 @@ def scattered_by_deviation(misfit: Misfit, count: int) -> list[Misfit]:
     """The misfit at its model's values, and at others the further about them the less the recordings tell; the same each time.
 
     Steps are of some standard deviations along each axis of the parameters' covariance: optima that leave about as little lie
-    there. Starts that are scattered alike in all directions leave far more, and lead elsewhere; they are what there is where
-    no covariance is known.
+    there. What the recordings tell nothing of does not move: from everywhere it would leave the same. Starts that are
+    scattered alike in all directions leave far more, and lead elsewhere; they are what there is where no covariance is known.
     """
     start, (lower, upper) = misfit.start(), misfit.bounds()
     here = tangent(misfit, start)
@@ -97,7 +103,7 @@ def scattered_by_deviation(misfit: Misfit, count: int) -> list[Misfit]:
         return scattered(misfit, count)
     relative = np.abs(misfit.parameters(start)) / misfit.scaling(start)
     information, axes = np.linalg.eigh(here.square.curvature * np.outer(relative, relative))
-    deviations = 1.0 / np.sqrt(np.maximum(information, 1.0 / FARTHEST**2))
+    deviations = np.where(information > TOLD, 1.0 / np.sqrt(np.maximum(information, TOLD)), 0.0)
     random = np.random.default_rng(0).normal(0.0, 1.0, (count - 1, len(start)))
     widths = np.resize(WIDTHS, count - 1)[:, None]
     moves = np.minimum(widths * deviations, FARTHEST) * random @ axes.T

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from crashkit.diagnose.fitting import reidentify as module
-from crashkit.diagnose.fitting.reidentify import WIDTHS, reidentify, scattered, scattered_by_deviation
+from crashkit.diagnose.fitting.reidentify import WIDTHS, refine, reidentify, scattered, scattered_by_deviation
 from crashkit.diagnose.fitting.search import STEPS, begin
 from crashkit.model import Parameter
 
@@ -61,3 +61,12 @@ def test_where_no_covariance_is_known_starts_are_scattered_alike(fitted, monkeyp
     monkeypatch.setattr(module, "tangent", lambda misfit, point: None)
     alike = [one.start() for one in scattered(fitted, 5)]
     assert np.array_equal([one.start() for one in scattered_by_deviation(fitted, 5)], alike)
+
+
+@pytest.mark.parametrize(("moved", "asked"), [(1.0, True), (1.5, False)])
+def test_starts_follow_the_covariance_only_about_what_fits(workshop, fitted, moved, asked, monkeypatch):
+    told = []
+    monkeypatch.setattr(module, "scattered_by_deviation", lambda misfit, count: told.append(count) or scattered(misfit, count))
+    values = {path: moved * value for path, value in fitted.values(fitted.start()).items()}
+    refine(workshop.identifier, fitted.with_values(values))
+    assert bool(told) == asked
