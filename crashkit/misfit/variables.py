@@ -36,7 +36,7 @@ class SearchVariables:
         prior: what is known of some of them.
     """
 
-    def __init__(self, free: Mapping[str, Parameter], prior: Prior = NO_PRIOR) -> None:
+    def __init__(self, free: Mapping[str, Parameter], prior: Prior) -> None:
         self.prior = prior
         self.names, self._free = tuple(free), tuple(free.values())
         self._log = np.array([parameter.lower > 0 for parameter in self._free], dtype=bool)

@@ -9,7 +9,7 @@ from attrs import evolve, field, frozen
 from crashkit.misfit import Misfit
 from crashkit.protocols import Identification, Identifier, Problem, Status
 from crashkit_identifiers.cost import cost_at, residual_at
-from crashkit_identifiers.levenberg_marquardt import EXACT, Limits, Search, advance, begin
+from crashkit_identifiers.levenberg_marquardt import EXACT, BySearch, Limits, Search, advance, begin
 from crashkit_identifiers.outliers import independent, judged, left_out, told
 from crashkit_identifiers.part import Part, up_to
 from crashkit_identifiers.prior import with_prior
@@ -38,7 +38,7 @@ ROUNDS = 6
 
 
 @frozen(eq=False)
-class Attempts:
+class Attempts(BySearch):
     """Where the search stands.
 
     Arguments:
@@ -52,7 +52,6 @@ class Attempts:
         status: of the whole.
     """
 
-    search: Search
     kept: np.ndarray = field(factory=lambda: np.zeros(0, dtype=bool))
     number: int = 0
     stage: int | None = 0
@@ -60,16 +59,6 @@ class Attempts:
     ended: tuple[tuple[float, np.ndarray], ...] = field(default=())
     past: Path = field(default=())
     status: Status = Status.RUNNING
-
-    @property
-    def point(self) -> np.ndarray:
-        """In search variables."""
-        return self.search.point
-
-    @property
-    def cost(self) -> float:
-        """Of the search under way."""
-        return self.search.cost
 
     @property
     def path(self) -> Path:
