@@ -1,15 +1,17 @@
 """What the best claim from the numbers as they are leads to."""
 
-from attrs import field, frozen
+from attrs import evolve, field, frozen
 
 from crashkit.diagnose.fitting.evidence import UNEXPLAINED, by_evidence, is_unknown
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.follow import Discovery, followed
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
+from crashkit.diagnose.name.leaders import coupled_leaders
 from crashkit.diagnose.name.look import FORM_ERRORS, Look, compared, look_again
 from crashkit.diagnose.name.pace import check_pace
-from crashkit.diagnose.name.rivals import CONCEALED
+from crashkit.diagnose.name.pairs import both
+from crashkit.diagnose.name.rivals import CONCEALED, COUPLED
 from crashkit.diagnose.name.settle import settled
 
 FOLLOWED = 0.5
@@ -37,7 +39,7 @@ def followed_nearby(inquiry: Inquiry, near: Look) -> Nearby:
     """A look from the re-identified numbers, and what its best known claim leads to."""
     known = [rival for rival in near.rivals if not is_unknown(rival)]
     if not known or known[0].search.excess > FOLLOWED * inquiry.base.excess:
-        return Nearby(near)
+        return Nearby(near, _two_leaders(inquiry, near, inquiry.base))
     first, search = _at_its_best(inquiry, compared(near, known))
     near = compared(near, by_evidence([*first.rivals, *filter(is_unknown, near.rivals)]))
     winner = first.winner
@@ -45,12 +47,26 @@ def followed_nearby(inquiry: Inquiry, near: Look) -> Nearby:
         return Nearby(near)
     if search.normalised < CONCEALED:
         check_pace(inquiry, winner)
+    two = _two_leaders(inquiry, near, search)
+    if two is not None:
+        return Nearby(near, two)
     first = first if is_unknown(near.leader) else near
     look = look_again(inquiry, search.fitted(), [winner], quick=search.normalised > CONCEALED)
     if search.normalised > CONCEALED and not (_completes(look) or _is_most(search, inquiry.base, look)):
         return Nearby(near, beside=look)
     found, _ = followed(inquiry, [first], look)
     return Nearby(near, found, look)
+
+
+def _two_leaders(inquiry: Inquiry, near: Look, alone: Search) -> Discovery | None:
+    """What two of the leading causes at once lead to, if they leave nothing to speak of and far less than one alone."""
+    if alone.normalised < UNEXPLAINED:
+        return None
+    couples = coupled_leaders(inquiry, near)
+    if not couples or couples[0].search.normalised > UNEXPLAINED or couples[0].search.excess > COUPLED * alone.excess:
+        return None
+    begun = both(inquiry, evolve(near, couples=tuple(couples)))
+    return followed(inquiry, [begun[0]], begun[1])[0] if begun else None
 
 
 def _at_its_best(inquiry: Inquiry, look: Look) -> tuple[Look, Search]:

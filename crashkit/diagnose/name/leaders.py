@@ -1,0 +1,56 @@
+"""Two causes at once, of those that lead alone: beside each other they may leave nothing, where each alone leaves much."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations
+
+from attrs import evolve
+
+from crashkit.diagnose.claims import identity, is_same, propose_all
+from crashkit.diagnose.fitting.couples import Couple
+from crashkit.diagnose.fitting.evidence import Rival, is_unknown
+from crashkit.diagnose.fitting.search import advance_all, begin
+from crashkit.diagnose.name.inquiry import Inquiry
+from crashkit.diagnose.name.look import Look
+from crashkit.misfit import Misfit
+
+LEADERS = 6
+"""How many of the known causes are put beside each other."""
+HEATS = ((None, 6), (4, 6), (2, 40))
+"""How many couples enter each heat, and how many steps each gets there."""
+
+
+def coupled_leaders(inquiry: Inquiry, look: Look) -> list[Couple]:
+    """The couples of the look's leading known causes, the most evident first."""
+    leaders = [rival for rival in look.rivals if not is_unknown(rival)][:LEADERS]
+    inquiry.progress(f"fitting {len(leaders)} causes beside each other", 0.0)
+    couples = list(_begun(inquiry, leaders))
+    for size, steps in HEATS:
+        ahead = _ranked(couples)[:size]
+        searches = advance_all([couple.search for couple in ahead], steps)
+        couples = [evolve(couple, search=search) for couple, search in zip(ahead, searches, strict=True)]
+    return _ranked(couples)
+
+
+def _begun(inquiry: Inquiry, leaders: Sequence[Rival]) -> Iterator[Couple]:
+    """Every two of them whose laws are compiled together."""
+    for first, second in combinations(leaders, 2):
+        alone = first.search.fitted()
+        claim = next((p for p in propose_all(inquiry.workshop, alone) if is_same(p, second.proposal)), None)
+        if claim is not None and inquiry.workshop.holds(claim.model):
+            misfit = inquiry.workshop.misfit(alone, claim.model).with_values_of(alone)
+            halfway = _halfway(misfit, first.search.values, second.search.values)
+            yield Couple(first.proposal, claim, begin(inquiry.workshop.identifier, halfway))
+
+
+def _halfway(misfit: Misfit, first: Mapping[str, float], second: Mapping[str, float]) -> Misfit:
+    """Between where one cause alone has driven the model's numbers and where the other has: either made do for both."""
+    ends = [misfit.start_at({**one, **other}) for one, other in ((first, second), (second, first))]
+    return misfit.with_values(misfit.values(0.5 * (ends[0] + ends[1])))
+
+
+def _ranked(couples: Sequence[Couple]) -> list[Couple]:
+    """Each two claims once, the most evident first."""
+    best: dict[frozenset[tuple[str, str]], Couple] = {}
+    for couple in sorted(couples, key=lambda couple: couple.cost):
+        best.setdefault(frozenset((identity(couple.first), identity(couple.second))), couple)
+    return list(best.values())
