@@ -20,6 +20,7 @@ from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look, look_again
 from crashkit.diagnose.name.settle import settled
+from crashkit.diagnose.name.vanished import told_by_vanished
 from crashkit.model import Model
 from crashkit.protocols import Proposal
 
@@ -33,6 +34,7 @@ def discover(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery:
         looks: whose claims are asked first, if there are any.
     """
     found = _instruments_first(inquiry, looks)
+    found = in_time(found, told_by_vanished, inquiry, found)
     if not explains(found.search):
         return found
     same = list(found.findings), found.search
