@@ -21,13 +21,15 @@ SPRUNG_BACK = 0.5
 """Share of its deformation from which on a joint that springs back may part, with friction or another load."""
 ALWAYS, CLOSED = {"always": Parameter(1.0, fixed=True)}, {"always": Parameter(0.0, fixed=True)}
 """Friction that also acts where the joint is open, and friction that does not."""
+ONE_WAY = {"exponent": Parameter(1.0, fixed=True), "rebound": Parameter(0.0, fixed=True)}
+"""Of a damper that does not hold back on the way back."""
 FORCE = {"friction_force": Parameter(0.0, 0.0, 1e7)}
 SHARE = {"friction_share": Parameter(0.0, 0.0, 1.0), "slip_rate": Parameter(0.1, 0.01, 1.0)}
 
 
 class ViscousDamping(Hypothesis):
-    """F = F_law + c ddot, F_law + c ddot |ddot|^(n - 1), or another c on the way back or from some rate on; while compressed,
-    at all times, or in a joint that only pushes."""
+    """F = F_law + c ddot, F_law + c ddot |ddot|^(n - 1), or with another c on the way back, from some rate on, or with the
+    stroke; while compressed, at all times, or in a joint that only pushes."""
 
     physics: ClassVar[str] = "viscous_damping"
     sentence: ClassVar[str] = "{place} is damped: part of its force opposes the deformation rate and grows with it"
@@ -46,13 +48,17 @@ class ViscousDamping(Hypothesis):
             "knee_rate": Parameter(0.3 * fastest, 0.01 * fastest, fastest),
             "beyond": Parameter(0.5, 0.0, 5.0),
         }
+        reached = largest_deformation(motion, joint.name)
+        growing = {**damping, "doubling_deformation": Parameter(reached, 0.02 * reached, 50.0 * reached)}
         linear = Effect(self.physics, "linear", "viscous", damping, "damping")
+        one_way = Effect(self.physics, "linear, one way", "viscous_power", {**damping, **ONE_WAY}, "damping")
         power = Effect(self.physics, "power", "viscous_power", exponent, "damping", grid(exponent=(0.6, 2.0)))
         two_way = Effect(self.physics, "two-way", "viscous_power", rebound, "damping", grid(rebound=(0.4, 2.5)))
         starts = grid(knee_rate=(0.15 * fastest, 0.4 * fastest))
         knee = Effect(self.physics, "with a knee", "viscous_knee", opening, "damping", starts)
-        plain = [parallel(model, joint, effect) for effect in (linear, power, _always(power))]
-        fine = [parallel(model, joint, effect) for effect in (two_way, _always(two_way), knee)]
+        stroke = Effect(self.physics, "growing with the stroke", "viscous_growing", growing, "damping")
+        plain = [parallel(model, joint, effect) for effect in (linear, one_way, power, _always(power))]
+        fine = [parallel(model, joint, effect) for effect in (two_way, _always(two_way), knee, stroke)]
         only = [evolve(effect, form=f"{effect.form}, only pushing") for effect in (linear, power, two_way, knee)]
         pushing = [form for effect in only for form in pushing_beside(model, joint, effect)]
         return [*plain, *pushing[:1], *(evolve(form, refined=True) for form in (*fine, *pushing[1:]))]

@@ -297,6 +297,19 @@ def valved(model):
     return with_joint(model, Joint("absorber", ("wall", "front"), "viscous_knee", valve))
 
 
+def throttled(model):
+    """A damper whose orifices close with the stroke."""
+    orifices = fixed(damping=2e3, doubling_deformation=0.2)
+    return with_joint(model, Joint("absorber", ("wall", "front"), "viscous_growing", orifices))
+
+
+def checked(model):
+    """A damper that holds back nothing on the way back."""
+    return with_joint(
+        model, Joint("absorber", ("front", "rear"), "viscous_power", fixed(damping=6e3, exponent=1.0, rebound=0.0))
+    )
+
+
 def stiffening(model):
     """An exponential wall in the loading curve of the first joint."""
     first, wall = model.joint("first"), fixed(force=2e3, stop_deformation=0.6, growth_way=0.25)
@@ -577,6 +590,11 @@ CASES = {
     strapped: (("carried_load", "strap", {"body": "rear"}), {"mass": 300.0, "slack": 0.05, "loss": 0.6}),
     hooked: (("tension", "hook", {"joint": "second"}), {"play": 0.03, "pull_exponent": 2.0}),
     coupled: (("tension", "hook, yielding", {"joint": "second"}), {"play": 0.03, "pull_limit": 1.5e4}),
+    throttled: (
+        ("viscous_damping", "growing with the stroke", {"joint": "first"}),
+        {"damping": 2e3, "doubling_deformation": 0.2},
+    ),
+    checked: (("viscous_damping", "linear, one way", {"joint": "second"}), {"damping": 6e3}),
     valved: (("viscous_damping", "with a knee", {"joint": "first"}), {"damping": 8e3, "knee_rate": 0.5, "beyond": 0.2}),
     stiffening: (("bottoming", "exponential", {"joint": "first"}), {}),
     curving: (("bottoming", "power", {"joint": "first"}), {"stop_deformation": 0.4, "exponent": 3.0}),
@@ -634,6 +652,7 @@ CASES = {
 }
 
 LATE = {
+    checked,
     absorbing,
     cushioned,
     belted,

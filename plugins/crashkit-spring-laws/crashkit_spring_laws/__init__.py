@@ -2,7 +2,7 @@
 
 from crashkit_spring_laws.buckling import BellPeak, DecayingPeak, DippingPeak, Folding, Peak, PointedPeak
 from crashkit_spring_laws.crush_plateau import CrushPlateau
-from crashkit_spring_laws.dampers import Viscous, ViscousKnee, ViscousPower
+from crashkit_spring_laws.dampers import Viscous, ViscousGrowing, ViscousKnee, ViscousPower
 from crashkit_spring_laws.fracture import Brittle, Fracture, Tear
 from crashkit_spring_laws.friction import Coulomb, Dahl, Rubbing, RubbingGap
 from crashkit_spring_laws.gradual_loss import (
@@ -56,6 +56,7 @@ SPRING_LAWS = (
     RateEyring,
     RateRising,
     Viscous,
+    ViscousGrowing,
     ViscousKnee,
     ViscousPower,
     Coulomb,
@@ -149,6 +150,7 @@ __all__ = [
     "TimeTable",
     "UnloadingLoss",
     "Viscous",
+    "ViscousGrowing",
     "ViscousKnee",
     "ViscousPower",
     "YieldingStrap",

@@ -20,6 +20,26 @@ class Viscous(SpringLaw):
         return damping * ddot * min(1.0, max(0.0, d - clearance) / engagement)
 
 
+class ViscousGrowing(SpringLaw):
+    """A damper whose orifices close with the stroke: F = c ddot (1 + d / doubling_deformation) min(1, d / engagement).
+
+    In contact only, d > 0; both ways.
+    """
+
+    name = "viscous_growing"
+    parameters = (
+        ParameterSpec("damping", "N s m-1", "force for a unit of rate at the first contact (c)", lower=0.0, null=0.0),
+        ParameterSpec("doubling_deformation", "m", "deformation at which it has doubled", lower=1e-4),
+        ENGAGEMENT,
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, damping: float, doubling_deformation: float, engagement: float) -> float:
+        """The force, N, compression positive."""
+        pressed = max(0.0, d)
+        return damping * ddot * (1.0 + pressed / doubling_deformation) * min(1.0, pressed / engagement)
+
+
 class ViscousKnee(SpringLaw):
     """A damper whose valve opens: F = c v up to the rate v_k, and on from there with a slope of `beyond` c.
 

@@ -62,6 +62,7 @@ from crashkit_spring_laws import (
     TimeTable,
     UnloadingLoss,
     Viscous,
+    ViscousGrowing,
     ViscousKnee,
     ViscousPower,
     YieldingStrap,
@@ -93,6 +94,7 @@ EXAMPLES = [
     (RateEyring, {"rate_amplitude": 0.1, "reference_rate": 0.5}),
     (RateRising, {"rises": [0.0, 0.2, 0.1], "rising_reach": 5.0}),
     (Viscous, {"damping": 3e3, "clearance": 0.1}),
+    (ViscousGrowing, {"damping": 3e3, "doubling_deformation": 0.15}),
     (ViscousKnee, {"damping": 3e3, "knee_rate": 1.0, "beyond": 0.2}),
     (Coulomb, {"friction_force": 5e3}),
     (Coulomb, {"friction_force": 5e3, "slip_rate": 0.5, "always": 0.0, "clearance": 0.1}),
@@ -319,6 +321,15 @@ def test_rate_factors():
     assert limited == pytest.approx([1.0, 1.2, 1.4])
     both_ways = [value(RateEyring, 0.1, ddot=rate, rate_amplitude=0.1, reference_rate=0.5) for rate in (-3.0, 3.0, -1e9)]
     assert both_ways == pytest.approx([1.0 - 0.1 * math.asinh(6.0), 1.0 + 0.1 * math.asinh(6.0), 0.0])
+
+
+def test_a_damper_may_grow_with_the_stroke():
+    """Both ways, and not before it is in contact."""
+    orifices = {"damping": 1000.0, "doubling_deformation": 0.1}
+    forces = [
+        value(ViscousGrowing, d, ddot=rate, **orifices) for d, rate in ((0.1, 2.0), (0.3, 2.0), (0.3, -1.0), (-0.1, 2.0))
+    ]
+    assert forces == pytest.approx([4000.0, 8000.0, -4000.0, 0.0])
 
 
 def test_a_damper_may_have_a_knee():
