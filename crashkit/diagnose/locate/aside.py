@@ -20,6 +20,10 @@ ALIKE = 0.2
 """Share of an offset by which bodies may differ on it: short pulses and filters falsify it by a tenth."""
 LEFT = 2.0
 """What a clock may leave of a contradiction, in units of noise: filters are in no check."""
+TOLD, APART = 1.1, 1.3
+"""What an error may leave of a contradiction that it explains, in units of noise, and how much more every other one leaves."""
+PHYSICS = {"gain": "gain_error", "bias": "bias"}
+"""Of the errors that are told by kinematics alone."""
 
 
 @frozen
@@ -30,14 +34,21 @@ class Suspect:
         body: that carries them.
         instrument: the accelerometer's name in the recordings.
         sensors: those of its sensors that the body carries.
+        told: the physics of their error, where kinematics alone say that; empty where they do not.
     """
 
     body: str
     instrument: str
     sensors: tuple[str, ...]
+    told: str = ""
 
     def concerns(self, proposal: Proposal, model: Model) -> bool:
-        """Whether a proposal says no more than what such a sensor reads."""
+        """Whether a proposal says no more than what such a sensor reads, and not otherwise than kinematics do.
+
+        What a law of the structure is off by, an error in another form would seem to explain better.
+        """
+        if self.told not in ("", proposal.physics):
+            return False
         place = proposal.location
         of_readings = (proposal.model.bodies, proposal.model.joints) == (model.bodies, model.joints)
         return of_readings and (place.get("sensor") in self.sensors or place.get("body") == self.body)
@@ -58,7 +69,7 @@ def suspects(misfit: Misfit, checks: xr.Dataset) -> tuple[Suspect, ...]:
     """
     accused = _worst(checks).where(lambda row: row["sigma"] > SIGNIFICANT, drop=True)
     pairs = zip(accused["body"].values.tolist(), accused["accelerometer"].values.tolist(), strict=True)
-    return tuple(_suspect(misfit, body, accelerometer) for body, accelerometer in pairs)
+    return tuple(_suspect(misfit, checks, body, accelerometer) for body, accelerometer in pairs)
 
 
 def late_clocks(checks: xr.Dataset) -> dict[str, float]:
@@ -97,10 +108,18 @@ def _on_time(recording: xr.DataTree, instrument: str, late: float) -> xr.DataTre
     return recording.assign({instrument: xr.DataTree(group.isel(time=(group["time"] >= 0.0).values))})
 
 
-def _suspect(misfit: Misfit, body: str, instrument: str) -> Suspect:
+def _suspect(misfit: Misfit, checks: xr.Dataset, body: str, instrument: str) -> Suspect:
     group = next(group.dataset for group in misfit.groups if group.name == instrument)
     carried = group["sensor"].values[group["sensor_body"].values == body]
-    return Suspect(body, instrument, tuple(carried.tolist()))
+    own = checks.where((checks["body"] == body) & (checks["accelerometer"] == instrument), drop=True)
+    return Suspect(body, instrument, tuple(carried.tolist()), _told(own))
+
+
+def _told(checks: xr.Dataset) -> str:
+    """The physics of the one error that explains all of a contradiction, of these checks of one body; empty if none does."""
+    best, *others = sorted(zip(checks["left"].values.tolist(), checks["error"].values.tolist(), strict=True))
+    is_told = best[0] < TOLD and all(left > APART * best[0] for left, _ in others)
+    return PHYSICS.get(best[1], "") if is_told else ""
 
 
 def without(recordings: Mapping[str, xr.DataTree], set_aside: tuple[Suspect, ...]) -> dict[str, xr.DataTree]:

@@ -114,6 +114,22 @@ def test_only_readings_of_its_body_concern_a_suspect(doubted, model):
     assert not suspect.concerns(proposal(with_joint(model, dashpot), body="front"), model)
 
 
+def test_what_kinematics_tell_of_a_sensor_is_all_that_it_is_accused_of(doubted, model):
+    def weak(dataset):
+        return dataset.assign(acceleration=0.87 * dataset["acceleration"])
+
+    def off(dataset):
+        return dataset.assign(acceleration=dataset["acceleration"] + 8.0)
+
+    assert [suspect.told for suspect in doubted(accelerometer=weak)] == ["gain_error"]
+    assert [suspect.told for suspect in doubted(accelerometer=off)] == ["bias"]
+    assert [suspect.told for suspect in doubted(accelerometer=shifted)] == [""]
+    (suspect,) = doubted(accelerometer=weak)
+    wrong = with_instrument_error(model, "accelerometer", "front_sensor", "bias", Parameter(0.0))
+    claims = [Proposal(physics, "", {"sensor": "front_sensor"}, wrong, (), {}) for physics in ("gain_error", "misalignment")]
+    assert [suspect.concerns(claim, model) for claim in claims] == [True, False]
+
+
 def test_beside_a_sensor_that_is_wrong_the_others_of_its_body_stay_accused(model):
     pair = Suspect("front", "accelerometer", ("left", "right"))
 
