@@ -9,7 +9,7 @@ from attrs import evolve
 
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import Effect, added, beside, grid
+from crashkit_hypotheses.build import Effect, added, beside, grid, multiplied
 from crashkit_hypotheses.sizes import compressed, largest_deformation
 
 FORCE = Parameter(0.0, 0.0, 1e8)
@@ -94,7 +94,7 @@ def _shapes(reached: float, plateau: float, latest: float) -> list[tuple[str, st
 
 class ProgressiveFolding(Hypothesis):
     """F = F_law + a force that oscillates with deformation: a sine, or folds of any shape, that get shorter, longer, lower; or
-    with pointed or blunt crests; released with the law or by itself."""
+    with pointed or blunt crests; released with the law or by itself. Or F_law (1 + a share that oscillates so)."""
 
     physics: ClassVar[str] = "progressive_folding"
     sentence: ClassVar[str] = "the force of {place} oscillates with deformation: it folds progressively"
@@ -111,15 +111,21 @@ class ProgressiveFolding(Hypothesis):
         sine = Effect(self.physics, "sine", "folding", folds, "amplitude", starts)
         arched = Effect(self.physics, "shaped", "folding", shaped | ARCHED | VARYING, "amplitude", of_one_phase)
         pointed = evolve(arched, form="pointed", parameters=shaped | VARYING | POINTED)
-        forms = [added(model, joint, effect) for effect in (sine, arched, pointed)]
-        own = beside(model, joint, evolve(arched, starts=of_one_phase[::3]))
-        return [*(evolve(form, refined=form.form == "pointed") for form in forms), *own]
+        few = of_one_phase[::3]
+        numbers = {"fold_share": Parameter(0.0, 0.0, 0.5), **_lengths(reached, LONGEST_SHAPED), **SKEWED, **POINTED}
+        share = Effect(self.physics, "in proportion", "folding_share", numbers, "fold_share", few)
+        plain = [added(model, joint, effect) for effect in (sine, arched)]
+        fine = [added(model, joint, pointed), multiplied(model, joint, share)]
+        return [*plain, *(evolve(form, refined=True) for form in fine), *beside(model, joint, evolve(arched, starts=few))]
 
 
 def _folds(reached: float, longest: float) -> dict[str, Parameter]:
     """Of a joint that is deformed so far, m; none is longer than this share of it."""
+    return {"amplitude": Parameter(0.0, 0.0, 1e7), **_lengths(reached, longest)}
+
+
+def _lengths(reached: float, longest: float) -> dict[str, Parameter]:
     return {
-        "amplitude": Parameter(0.0, 0.0, 1e7),
         "fold_length": Parameter(0.2 * reached, 0.02 * reached, longest * reached),
         "onset": Parameter(0.0, 0.0, LAST * reached),
     }

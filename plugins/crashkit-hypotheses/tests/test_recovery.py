@@ -310,6 +310,11 @@ def checked(model):
     )
 
 
+def pleated(model):
+    """Folds like the teeth of a saw, that rise with the force."""
+    return with_factor(model, "second", "folding_share", fixed(fold_share=0.1, fold_length=0.07, onset=0.09, skew=0.8))
+
+
 def stiffening(model):
     """An exponential wall in the loading curve of the first joint."""
     first, wall = model.joint("first"), fixed(force=2e3, stop_deformation=0.6, growth_way=0.25)
@@ -590,6 +595,10 @@ CASES = {
     strapped: (("carried_load", "strap", {"body": "rear"}), {"mass": 300.0, "slack": 0.05, "loss": 0.6}),
     hooked: (("tension", "hook", {"joint": "second"}), {"play": 0.03, "pull_exponent": 2.0}),
     coupled: (("tension", "hook, yielding", {"joint": "second"}), {"play": 0.03, "pull_limit": 1.5e4}),
+    pleated: (
+        ("progressive_folding", "in proportion", {"joint": "second"}),
+        {"fold_share": 0.1, "fold_length": 0.07, "onset": 0.09, "skew": 0.8},
+    ),
     throttled: (
         ("viscous_damping", "growing with the stroke", {"joint": "first"}),
         {"damping": 2e3, "doubling_deformation": 0.2},

@@ -1,8 +1,9 @@
 """The force laws and rate factors that ship with crashkit."""
 
-from crashkit_spring_laws.buckling import BellPeak, DecayingPeak, DippingPeak, Folding, Peak, PointedPeak
+from crashkit_spring_laws.buckling import BellPeak, DecayingPeak, DippingPeak, Peak, PointedPeak
 from crashkit_spring_laws.crush_plateau import CrushPlateau
 from crashkit_spring_laws.dampers import Viscous, ViscousGrowing, ViscousKnee, ViscousPower
+from crashkit_spring_laws.folding import Folding, FoldingShare
 from crashkit_spring_laws.fracture import Brittle, Fracture, Tear
 from crashkit_spring_laws.friction import Coulomb, Dahl, Rubbing, RubbingGap
 from crashkit_spring_laws.gradual_loss import (
@@ -82,6 +83,7 @@ SPRING_LAWS = (
     DecayingPeak,
     DippingPeak,
     Folding,
+    FoldingShare,
     Fracture,
     Brittle,
     Tear,
@@ -117,6 +119,7 @@ __all__ = [
     "ExponentialStop",
     "Fading",
     "Folding",
+    "FoldingShare",
     "Fracture",
     "HuntCrossley",
     "LinearStop",

@@ -25,6 +25,7 @@ from crashkit_spring_laws import (
     ExponentialStop,
     Fading,
     Folding,
+    FoldingShare,
     Fracture,
     Hook,
     HuntCrossley,
@@ -126,6 +127,9 @@ EXAMPLES = [
     (Folding, {"amplitude": 2e4, "fold_length": 0.2, "skew": -0.4, "shortening": -0.1, "weakening": 0.05}),
     (Folding, {"amplitude": 2e4, "fold_length": 0.2, "skew": 0.3, "weakening": 0.05, "pointedness": 0.9}),
     (Folding, {"amplitude": 2e4, "fold_length": 0.2, "skew": 0.3, "weakening": 0.05, "pointedness": -20.0}),
+    (FoldingShare, {"fold_share": 0.1, "fold_length": 0.3, "onset": 0.2}),
+    (FoldingShare, {"fold_share": 0.1, "fold_length": 0.2, "skew": 0.9, "pointedness": 0.9}),
+    (FoldingShare, {"fold_share": 0.1, "fold_length": 0.2, "skew": -0.5, "pointedness": -20.0}),
     (SmoothTable, {"heights": [1e4, -2e4, 3e4], "reach": 0.6}),
     (Bump, {"bump_force": -2e4, "bump_deformation": 0.3, "bump_width": 0.1}),
     (RateTable, {"heights": [-1e4, 0.0, 2e4, 3e4], "reach": 10.0}),
@@ -416,6 +420,15 @@ def test_folding_swings_about_nothing_and_lets_go():
     assert value(Folding, 0.25, **shape) == pytest.approx(-2e4)
     assert value(Folding, 0.05, **shape) == 0.0
     assert value(Folding, 0.1, d_max=0.15, **shape) == 0.0
+
+
+def test_folds_in_proportion_have_the_shape_of_those_that_are_not():
+    shape = {"fold_length": 0.2, "onset": 0.1, "skew": 0.4, "pointedness": 0.8}
+    deformations = np.linspace(0.0, 0.7, 50)
+    shares = [value(FoldingShare, d, fold_share=0.1, **shape) for d in deformations]
+    forces = [value(Folding, d, amplitude=2e4, **shape) for d in deformations]
+    assert shares == pytest.approx([1.0 + 0.1 * force / 2e4 for force in forces])
+    assert value(FoldingShare, 0.1, d_max=0.45, fold_share=0.1, **shape) == value(FoldingShare, 0.45, fold_share=0.1, **shape)
 
 
 def test_folds_may_be_pointed_or_blunt():
