@@ -57,8 +57,8 @@ class ViscousDamping(Hypothesis):
         starts = grid(knee_rate=(0.15 * fastest, 0.4 * fastest))
         knee = Effect(self.physics, "with a knee", "viscous_knee", opening, "damping", starts)
         stroke = Effect(self.physics, "growing with the stroke", "viscous_growing", growing, "damping")
-        plain = [parallel(model, joint, effect) for effect in (linear, one_way, power, _always(power))]
-        fine = [parallel(model, joint, effect) for effect in (two_way, _always(two_way), knee, stroke)]
+        plain = [parallel(model, joint, effect) for effect in (linear, power, _always(power))]
+        fine = [parallel(model, joint, effect) for effect in (one_way, two_way, _always(two_way), knee, stroke)]
         only = [evolve(effect, form=f"{effect.form}, only pushing") for effect in (linear, power, two_way, knee)]
         pushing = [form for effect in only for form in pushing_beside(model, joint, effect)]
         return [*plain, *pushing[:1], *(evolve(form, refined=True) for form in (*fine, *pushing[1:]))]
