@@ -38,8 +38,10 @@ class Nearby:
 def followed_nearby(inquiry: Inquiry, near: Look) -> Nearby:
     """A look from the re-identified numbers, and what its best known claim leads to."""
     known = [rival for rival in near.rivals if not is_unknown(rival)]
-    if not known or known[0].search.excess > FOLLOWED * inquiry.base.excess:
-        return Nearby(near, _two_leaders(inquiry, near, inquiry.base))
+    if not known:
+        return Nearby(near)
+    if known[0].search.excess > FOLLOWED * inquiry.base.excess:
+        return Nearby(near, _two_leaders(inquiry, near, known[0].search))
     first, search = _at_its_best(inquiry, compared(near, known))
     near = compared(near, by_evidence([*first.rivals, *filter(is_unknown, near.rivals)]))
     winner = first.winner

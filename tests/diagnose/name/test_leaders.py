@@ -38,8 +38,6 @@ def test_together_they_leave_nothing_where_each_alone_leaves_much(asked):
     assert {identity(best.first), identity(best.second)} == {MASS, GAP}
     assert best.search.normalised == pytest.approx(1.0, abs=0.05)
     alone = {rival.identity: rival.search.normalised for rival in look.rivals}
-    for r in look.rivals:
-        print(r.identity, r.proposal.form, r.search.normalised)
     assert min(alone[MASS], alone[GAP]) > 1.5
 
 
