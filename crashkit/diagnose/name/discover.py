@@ -81,11 +81,17 @@ def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | Non
             break
         if look.winner is None:
             return in_time(told, explored, inquiry)
-        still = [one.besides(look.winner.proposal, look.before.model) for one in waiting]
-        waiting = tuple(one for one in still if one is not None)
-        findings.append(in_time(look, settled, unbent, look, look.winner, found))
+        is_told = any(one.told and one.concerns(look.winner.proposal, look.before.model) for one in waiting)
+        findings.append(look if is_told else in_time(look, settled, unbent, look, look.winner, found))
         search = findings[-1].leader.search
+        waiting = _still_waiting(waiting, look)
     return Discovery.of(inquiry.base, search, tuple(findings))
+
+
+def _still_waiting(waiting: Sequence[Suspect], look: Look) -> tuple[Suspect, ...]:
+    """Whom a finding does not clear."""
+    still = [one.besides(look.leader.proposal, look.before.model) for one in waiting]
+    return tuple(one for one in still if one is not None)
 
 
 def _says_what_sensors_read(look: Look) -> bool:

@@ -4,6 +4,7 @@ import pytest
 
 from crashkit.diagnose.fitting.in_time import OutOfTimeError
 from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.locate.aside import Suspect
 from crashkit.diagnose.name import discover
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.look import Look
@@ -43,3 +44,29 @@ def test_a_body_that_turns_is_told_where_there_is_no_time_to_ask_all(beside):
         raise OutOfTimeError
 
     assert [look.leader.proposal.physics for look in beside(too_late).findings] == ["rotation"]
+
+
+@pytest.fixture
+def asked_of_a_suspect(workshop, model, misfit, recorded, claim, inquiry, monkeypatch):
+    """What is told of a suspect's sensor, whose gain wins the look, and which settling would say rings."""
+
+    def ask(told):
+        base = begin(workshop.identifier, misfit(model, run=recorded(model)))
+        forms = ("gain_error", "constant"), ("mounting_resonance", "element")
+        gain, ringing = (claim(base.fitted(), *form) for form in forms)
+        look, settled = (Look.of([rival], base.fitted()) for rival in (gain, ringing))
+        sensor = gain.proposal.location["sensor"]
+        monkeypatch.setattr(discover, "without", lambda recordings, suspects: recordings)
+        monkeypatch.setattr(discover, "reidentify", lambda workshop, misfit: base)
+        monkeypatch.setattr(discover, "explored", lambda inquiry: Discovery.of(base, base))
+        monkeypatch.setattr(discover, "look_again", lambda *_: look)
+        monkeypatch.setattr(discover, "settled", lambda *_: settled)
+        found = discover._beside(inquiry(base), (Suspect("front", gain.proposal.location["instrument"], (sensor,), told),))
+        return [look.leader.proposal.physics for look in found.findings]
+
+    return ask
+
+
+@pytest.mark.parametrize(("told", "physics"), [("gain_error", "gain_error"), ("", "mounting_resonance")])
+def test_what_kinematics_tell_of_a_sensor_is_not_challenged_by_other_errors(asked_of_a_suspect, told, physics):
+    assert asked_of_a_suspect(told) == [physics]
