@@ -43,14 +43,19 @@ def accuses_instrument(proposal: Proposal) -> bool:
     return not {"sensor", "instrument"}.isdisjoint(proposal.location)
 
 
-def propose_all(workshop: Workshop, base: Misfit) -> list[Proposal]:
-    """Every hypothesis at every place of the model, in every form that can be fitted; none where it cannot be simulated, as
-    with numbers that only the equations of motion have led."""
+def propose_all(workshop: Workshop, base: Misfit, physics: str | None = None) -> list[Proposal]:
+    """Every hypothesis, or that of one physics, at every place of the model, in every form that can be fitted; none where it
+    cannot be simulated, as with numbers that only the equations of motion have led."""
     try:
         motions = [base.predictor.motion(run, base.model.values()) for run in base.recordings]
     except SimulationError:
         return []
-    return workshop.proposals(base.model, motions, list(base.recordings.values()))
+    return workshop.proposals(base.model, motions, list(base.recordings.values()), physics)
+
+
+def proposed_again(workshop: Workshop, base: Misfit, claim: Proposal) -> Proposal | None:
+    """The same claim in the same form, built on another model; None where it has no place there."""
+    return next((p for p in propose_all(workshop, base, claim.physics) if is_same(p, claim)), None)
 
 
 def first_of_each(ranked: Sequence[Found], most: int, kind: Callable[[Proposal], tuple[str, ...]] = form_of) -> list[Found]:

@@ -69,13 +69,15 @@ class Workshop:
         models = [model, *(proposal.model for proposal in proposals if proposal.physics not in self.failed)]
         return self.equipped([*models, *(_side_by_side(one) for one in models)])
 
-    def proposals(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """What the hypotheses say may be left out of a model, where the laws that it takes give sensitivities: a long curve
-        has no room for all that others have. A hypothesis that fails is left out, with a warning."""
+    def proposals(
+        self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree], physics: str | None = None
+    ) -> list[Proposal]:
+        """What the hypotheses, or that of one physics, say may be left out of a model, where the laws that it takes give
+        sensitivities: a long curve has no room for all that others have. A hypothesis that fails is left out, with a warning."""
         own, usable = functions_of(model, self.laws), []
-        for physics in (one for one in self.hypotheses if one not in self.failed):
-            with self._leaving_out(physics):
-                proposed = proposed_by(self.hypotheses[physics], model, motion, recordings)
+        for name in (one for one in self.hypotheses if one not in self.failed and physics in (None, one)):
+            with self._leaving_out(name):
+                proposed = proposed_by(self.hypotheses[name], model, motion, recordings)
                 usable += [p for p in proposed if all(map(can_be_derived, functions_of(p.model, self.laws) - own))]
         return usable
 

@@ -7,7 +7,7 @@ import numpy as np
 from attrs import evolve, frozen
 
 from crashkit.campaign import spread
-from crashkit.diagnose.claims import Progress, first_of_each, identity, is_same, price_of, propose_all
+from crashkit.diagnose.claims import Progress, first_of_each, identity, price_of, proposed_again
 from crashkit.diagnose.fitting.regress import OPENING, End, regression, residual_and_jacobian, simulated
 from crashkit.diagnose.fitting.search import Search, advance_all
 from crashkit.diagnose.result import UNKNOWN
@@ -164,7 +164,7 @@ def _begun(workshop: Workshop, given: Misfit, promise: Promise) -> _Begun | None
     its law there would have to be compiled first."""
     _, leader, other = promise
     alone = workshop.misfit(given, leader.proposal.model).with_values(leader.values)
-    second = next((p for p in propose_all(workshop, alone) if is_same(p, other.proposal)), None)
+    second = proposed_again(workshop, alone, other.proposal)
     if second is None or not workshop.holds(second.model):
         return None
     start = {name: other.values[name] for name in second.parameters if name in other.values}

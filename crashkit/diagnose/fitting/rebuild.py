@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from crashkit.diagnose.claims import is_same, propose_all
+from crashkit.diagnose.claims import proposed_again
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import STEPS, Search, advance_all, begin, begin_all
 from crashkit.diagnose.workshop import Workshop
@@ -26,7 +26,7 @@ def rebuild(workshop: Workshop, base: Search, rivals: Sequence[Rival], last: Sea
     search, paths = base, dict[str, str]()
     for rival in rivals:
         current = search.fitted()
-        proposal = next((p for p in propose_all(workshop, current) if is_same(p, rival.proposal)), None)
+        proposal = proposed_again(workshop, current, rival.proposal)
         if proposal is None:
             return None
         paths |= _earlier_paths(proposal, rival.proposal)

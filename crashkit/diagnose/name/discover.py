@@ -112,7 +112,7 @@ def _with_clock(inquiry: Inquiry, late: Mapping[str, float]) -> Discovery | None
 def _clock(inquiry: Inquiry, late: Mapping[str, float]) -> Look:
     """Which of these clocks is wrong: the model is re-identified with the stamps of one or the other put right."""
     workshop, given, current = inquiry.workshop, inquiry.given, inquiry.base.fitted()
-    claims = [p for p in propose_all(workshop, current) if p.physics == CLOCK and p.location["instrument"] in late]
+    claims = [p for p in propose_all(workshop, current, CLOCK) if p.location["instrument"] in late]
     put_right = {instrument: _put_right(inquiry, instrument, lateness) for instrument, lateness in late.items()}
     fitted = []
     for claim in claims:

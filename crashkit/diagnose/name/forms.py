@@ -72,7 +72,8 @@ def in_all_forms(inquiry: Inquiry, rival: Rival, others: Sequence[Rival], search
     if without is None:
         return []
     origin, found = without.misfit.with_values_of(search.fitted()), search.values
-    forms = [p for p in propose_all(inquiry.workshop, origin) if identity(p) == rival.identity]
+    proposed = propose_all(inquiry.workshop, origin, rival.proposal.physics)
+    forms = [proposal for proposal in proposed if identity(proposal) == rival.identity]
     is_told = rival.proposal.parameters[0] in found
     if is_told and len(forms) < 2:
         return []

@@ -5,7 +5,7 @@ from itertools import combinations
 
 from attrs import evolve
 
-from crashkit.diagnose.claims import identity, is_same, propose_all
+from crashkit.diagnose.claims import identity, proposed_again
 from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import Rival, is_unknown
 from crashkit.diagnose.fitting.search import advance_all, begin
@@ -35,7 +35,7 @@ def _begun(inquiry: Inquiry, leaders: Sequence[Rival]) -> Iterator[Couple]:
     """Every two of them whose laws are compiled together."""
     for first, second in combinations(leaders, 2):
         alone = first.search.fitted()
-        claim = next((p for p in propose_all(inquiry.workshop, alone) if is_same(p, second.proposal)), None)
+        claim = proposed_again(inquiry.workshop, alone, second.proposal)
         if claim is not None and inquiry.workshop.holds(claim.model):
             misfit = inquiry.workshop.misfit(alone, claim.model).with_values_of(alone)
             halfway = _halfway(misfit, first.search.values, second.search.values)
