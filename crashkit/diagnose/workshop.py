@@ -73,7 +73,7 @@ class Workshop:
         self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree], physics: str | None = None
     ) -> list[Proposal]:
         """What the hypotheses, or that of one physics, say may be left out of a model, where the laws that it takes give
-        sensitivities: a long curve has no room for all that others have. A hypothesis that fails is left out, with a warning."""
+        sensitivities: a long curve has no room for all that others have. One that fails is left out, with a warning."""
         own, usable = functions_of(model, self.laws), []
         for name in (one for one in self.hypotheses if one not in self.failed and physics in (None, one)):
             with self._leaving_out(name):

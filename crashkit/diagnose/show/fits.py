@@ -87,9 +87,8 @@ def _channels(group: Group, predicted: np.ndarray) -> list[tuple[float, float, f
         size = float(np.sqrt(np.mean(moving**2))) if both.any() else np.nan
         relative = float(np.sqrt(np.mean(residual**2)) / size) if both.any() and size > 0 else np.nan
         squares = float(np.sum((residual * channel.noise.weight) ** 2))
-        rows.append(
-            (squares, relative, _rating(group.times, recorded, predicted[:, column]), both.sum() / channel.noise.correlation)
-        )
+        independent = float(both.sum() / channel.noise.correlation)
+        rows.append((squares, relative, _rating(group.times, recorded, predicted[:, column]), independent))
     return rows
 
 

@@ -108,7 +108,8 @@ class Parabola:
 def modes(curvature: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Square roots of the diagonal, and the eigenvalues and vectors of a curvature when the diagonal is scaled to 1."""
     root = np.sqrt(np.diag(curvature))
-    return root, *np.linalg.eigh(curvature / np.outer(root, root))
+    eigenvalues, vectors = np.linalg.eigh(curvature / np.outer(root, root))
+    return root, eigenvalues, vectors
 
 
 def parabola_at(problem: Problem, objective: Problem, point: np.ndarray, count: float | None = None) -> Parabola | None:
