@@ -23,6 +23,8 @@ SHARES = (1 / 6, 1 / 3, 2 / 3, 1.0)
 """Of the time recorded, looked at one after the other while only a form's own numbers move."""
 ALONE = 10
 """Steps in each."""
+SAME = 1e-3
+"""Of what is left, by which two ends of one optimum may differ."""
 HEATS = ((None, 4, 8), (8, 2, 40))
 """How many forms enter each, from how many starts, and how many steps each gets."""
 
@@ -88,13 +90,23 @@ def in_all_forms(inquiry: Inquiry, rival: Rival, others: Sequence[Rival], search
 
 
 def _fitted(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """Each form from the best of its starts: in a common heat, those of one form that meet in one optimum take all places."""
+    """Each form from the best of its starts: in a common heat, those of one form would take all places."""
     for forms, starts, steps in HEATS:
-        ranked = sorted(candidates, key=lambda one: one.priced)
+        ranked = _apart(sorted(candidates, key=lambda one: one.priced))
         leading = list(dict.fromkeys(one.proposal.form for one in ranked))[:forms]
         ahead = first_of_each([one for one in ranked if one.proposal.form in leading], starts)
         candidates = advance_candidates(ahead, steps)
     return weigh_candidates(candidates)
+
+
+def _apart(ranked: Sequence[Candidate]) -> list[Candidate]:
+    """One of those of one form that meet in one optimum."""
+    apart: list[Candidate] = []
+    for one in ranked:
+        alike = [other for other in apart if other.proposal.form == one.proposal.form]
+        if not any(_meet([other.search.state.cost, one.search.state.cost]) for other in alike):
+            apart.append(one)
+    return apart
 
 
 def _starts(form: Proposal, present: Proposal, found: Mapping[str, float]) -> Sequence[Mapping[str, float]]:
@@ -103,18 +115,26 @@ def _starts(form: Proposal, present: Proposal, found: Mapping[str, float]) -> Se
 
 
 def _alone(workshop: Workshop, origin: Misfit, present: Misfit, start: Start) -> Mapping[str, float]:
-    """Where a form's own numbers go while all others stay: as far as the first instants tell them, and on; or all at once.
-
-    Where the bodies are the same, also from where it acts most like the present form.
+    """Where a form's own numbers go while all others stay: from its start, and, where the bodies are the same, from where it
+    acts most like the present form; if these do not meet, also as far as the first instants tell them, and on.
     """
     form, values = start
     here = tuple(f"joint.{name}." for key, name in form.location.items() if key == "joint")
-    routes = [(values, SHARES, ()), (values, SHARES[-1:], ()), *([(values, SHARES[-1:], here)] if here else [])]
+    begun = [values]
     if {body.name for body in form.model.bodies} == {body.name for body in present.model.bodies}:
         other = with_form(workshop, origin, form, values)
-        routes.append((most_alike(present, other, form.parameters, workshop.laws), SHARES[-1:], ()))
-    ends = [along(workshop, origin, (form, begun), route, free) for begun, route, free in routes]
+        begun.append(most_alike(present, other, form.parameters, workshop.laws))
+    ends = [along(workshop, origin, (form, one), SHARES[-1:]) for one in begun]
+    if not _meet([cost for _, cost in ends]):
+        ends.append(along(workshop, origin, start, SHARES))
+    if here:
+        ends.append(along(workshop, origin, start, SHARES[-1:], here))
     return min(ends, key=lambda end: end[1])[0]
+
+
+def _meet(costs: Sequence[float]) -> bool:
+    """Whether two searches have ended in what is hardly anything but one optimum."""
+    return len(costs) > 1 and max(costs) - min(costs) < SAME * min(costs)
 
 
 def along(
