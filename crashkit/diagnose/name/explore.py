@@ -27,6 +27,7 @@ from crashkit.diagnose.name.needed import price
 from crashkit.diagnose.name.other_first import begun_otherwise
 from crashkit.diagnose.name.pace import check_rate
 from crashkit.diagnose.name.pairs import both, named_before_unknown
+from crashkit.diagnose.name.pointed import with_causes_pointed_to
 from crashkit.diagnose.name.rivals import CONCEALED, may_conceal
 from crashkit.diagnose.name.simpler import in_fewer_numbers
 from crashkit.diagnose.result import UNKNOWN
@@ -58,6 +59,7 @@ def explored(inquiry: Inquiry, near: Look | None = None) -> Discovery:
 def _near_then_wide(inquiry: Inquiry, near: Look | None) -> Discovery:
     base = inquiry.base
     near = near or _near(inquiry)
+    near = in_time(near, with_causes_pointed_to, inquiry, near)
     if base.normalised > CONCEALED:
         better = alone_again(base, [rival.search.fitted() for rival in near.rivals[:LED]])
         if better.excess < LOCAL_OPTIMUM * base.excess:

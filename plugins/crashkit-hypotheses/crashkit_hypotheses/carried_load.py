@@ -14,6 +14,8 @@ from crashkit_hypotheses.build import forward, free_paths, grid, plane_inertia, 
 from crashkit_hypotheses.carried_contact import meets_obstacle
 
 MASS_SHARES = (0.015, 0.05, 0.2)
+LEAST = 1e-3
+"""Of the mass that carries it: of a lighter load nothing is seen."""
 SLACKS = (0.02, 0.06)
 SLIP = 0.05
 """m s-1, below which friction is smooth."""
@@ -230,7 +232,7 @@ def _loaded(
 def _load(carrier: Carrier) -> Body:
     body, mass = carrier.body, carrier.mass
     name = fresh_name(f"{body.name}_load", (b.name for b in carrier.model.bodies))
-    weight, inertia = Parameter(0.1 * mass, 0.01 * mass, 2.0 * mass), plane_inertia(carrier.model, mass)
+    weight, inertia = Parameter(0.1 * mass, LEAST * mass, 2.0 * mass), plane_inertia(carrier.model, mass)
     return Body(name, body.position, body.velocity, weight, carrier=body.name, inertia=inertia)
 
 
