@@ -26,6 +26,8 @@ FREED = 0.5
 """Of what one more finding explains: where those before it, freed by it, do that as well, it is none."""
 COMPLETING = 0.5
 """Of what is left above the noise: a claim that leaves more has hardly found its form."""
+LEFT = 0.15
+"""Of what is left above the noise: a second claim that leaves less of it tells more than a form that is off."""
 ESTIMATE_SHARE = 0.1
 """Of what the findings explain: an estimate that explains less beside them imitates how far their forms are off."""
 TRACE = 0.003
@@ -137,7 +139,7 @@ def _one_more(inquiry: Inquiry, findings: Sequence[Look], look: Look, winner: Ri
 
 def _completed(inquiry: Inquiry, findings: Sequence[Look], search: Search, look: Look) -> tuple[list[Look], Search] | None:
     """The findings and the best known claim of a look that convinced of none, if together, each in its best form, they leave
-    nothing; None if not.
+    next to nothing; None if not.
 
     Beside a gross effect a second one in a form that is off explains too little to convince.
     """
@@ -153,7 +155,13 @@ def _completed(inquiry: Inquiry, findings: Sequence[Look], search: Search, look:
     others = [rival for rival in look.rivals if rival.identity != best.identity]
     tried = settled(inquiry, compared(look, [best, *others]), best, found)
     more, end = in_best_forms(inquiry, [*findings, tried], tried.leader.search)
-    return (more, end) if explains(end) else None
+    return (more, end) if _completes(end, search) else None
+
+
+def _completes(end: Search, without: Search) -> bool:
+    """Whether a fit leaves nothing, or next to nothing of what another did: a law elsewhere hardly tells how far a form is
+    off as well as that, however little it is beside the first finding."""
+    return explains(end) or (end.normalised < UNEXPLAINED and end.excess < LEFT * without.excess)
 
 
 def _questioned(inquiry: Inquiry, findings: list[Look], search: Search, last: Look) -> tuple[list[Look], Search]:
@@ -186,7 +194,7 @@ def reconsidered(inquiry: Inquiry, findings: list[Look], search: Search) -> tupl
             continue
         look = look_again(inquiry, without.fitted(), [one.leader for one in rest])
         if look.winner is None or _corrects(look.winner, rest):
-            if without.deviance < search.deviance + look.least:
+            if without.deviance < search.deviance + look.least and not _completes(search, without):
                 looks, search = rest, without
         elif look.winner.search.deviance < search.deviance + TIE:
             looks, search = [*rest[:place], look, *rest[place:]], look.winner.search

@@ -168,9 +168,12 @@ def test_a_look_that_was_made_near_is_not_made_again(monkeypatch, inquiry, offer
     assert begun == [near if is_begun else None, None]
 
 
-@pytest.mark.parametrize(("alone", "left"), [(7000.0, ["fracture", "bias"]), (1150.0, ["bias"])])
-def test_a_finding_that_is_questioned_stays_unless_it_explains_too_little(monkeypatch, inquiry, alone, left):
-    """Nothing convinces in its place; without it the model leaves so much."""
+@pytest.mark.parametrize(
+    ("alone", "together", "left"),
+    [(7000.0, 1.4, ["fracture", "bias"]), (1150.0, 1.4, ["bias"]), (1150.0, 1.08, ["fracture", "bias"])],
+)
+def test_a_finding_that_is_questioned_stays_unless_it_explains_too_little(monkeypatch, inquiry, alone, together, left):
+    """Nothing convinces in its place; without it the model leaves so much. It stays if next to nothing is left with it."""
 
     def one(physics):
         proposal = Proposal(physics, "", {"joint": physics}, None, (), {})
@@ -186,8 +189,9 @@ def test_a_finding_that_is_questioned_stays_unless_it_explains_too_little(monkey
     monkeypatch.setattr(questioned, "wakened", lambda workshop, search: search)
     monkeypatch.setattr(questioned, "in_best_forms", lambda inquiry, looks, search: (looks, search))
     monkeypatch.setattr(questioned, "look_again", lambda *_: nothing)
-    together = SimpleNamespace(deviance=1000.0, normalised=1.4, excess=0.96)
-    kept, _ = reconsidered(inquiry(None), [one("fracture"), one("bias")], together)
+    monkeypatch.setattr(questioned, "explains", lambda search: False)
+    fit = SimpleNamespace(deviance=1000.0, normalised=together, excess=together**2 - 1.0)
+    kept, _ = reconsidered(inquiry(None), [one("fracture"), one("bias")], fit)
     assert [look.leader.proposal.physics for look in kept] == left
 
 
@@ -317,6 +321,13 @@ def test_a_second_cause_that_leaves_nothing_in_its_best_form_is_told_though_it_c
     assert search.normalised == 1.01
 
 
-@pytest.mark.parametrize(("joint", "left", "then"), [("second", 1.7, 1.1), ("second", 2.5, 1.01), ("first", 1.7, 1.01)])
+def test_it_may_leave_a_little_of_what_was_left(completed):
+    """Where 3.0 times the noise were left: the forms of what is gross are never quite right."""
+    findings, search = completed(claimed("fracture", "second", 1.7), then=1.1)
+    assert [look.leader.proposal.physics for look in findings] == ["tension", "fracture"]
+    assert search.normalised == 1.1
+
+
+@pytest.mark.parametrize(("joint", "left", "then"), [("second", 1.7, 1.2), ("second", 2.5, 1.01), ("first", 1.7, 1.01)])
 def test_what_leaves_something_or_hardly_less_or_corrects_the_first_is_not(completed, joint, left, then):
     assert completed(claimed("fracture", joint, left), then) is None
