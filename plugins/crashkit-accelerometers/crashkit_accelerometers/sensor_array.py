@@ -89,7 +89,7 @@ class SensorArray:
         if np.ptp(self.points, axis=0).max() == 0.0:
             return f"rotation about {' and '.join(self.sensors)}, in any direction"
         x, y, z = turn / np.linalg.norm(turn) * np.sign(turn[np.argmax(np.abs(turn))])
-        return f"rotation about the line through {' and '.join(self.sensors)}, ({x:.2f}, {y:.2f}, {z:.2f})"
+        return f"rotation about the line through {' and '.join(self.sensors)}, ({x:z.2f}, {y:z.2f}, {z:z.2f})"
 
 
 def sensor_arrays(instrument: xr.Dataset, turning: bool) -> list[SensorArray]:
