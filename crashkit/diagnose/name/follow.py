@@ -159,9 +159,10 @@ def _completed(inquiry: Inquiry, findings: Sequence[Look], search: Search, look:
 
 
 def _completes(end: Search, without: Search) -> bool:
-    """Whether a fit leaves nothing, or next to nothing of what another did: a law elsewhere hardly tells how far a form is
-    off as well as that, however little it is beside the first finding."""
-    return explains(end) or (end.normalised < UNEXPLAINED and end.excess < LEFT * without.excess)
+    """Whether a fit leaves nothing, or next to nothing, where another plainly left something: a law elsewhere hardly tells how
+    far a form is off as well as that, however little it is beside the first finding."""
+    is_little = end.normalised < UNEXPLAINED and end.excess < LEFT * without.excess
+    return without.normalised >= UNEXPLAINED and (is_little or explains(end))
 
 
 def _questioned(inquiry: Inquiry, findings: list[Look], search: Search, last: Look) -> tuple[list[Look], Search]:
