@@ -6,9 +6,10 @@ from crashkit.campaign import spread
 from crashkit.diagnose.claims import first_of_each, identity, propose_all
 from crashkit.diagnose.fitting.candidates import Candidate, begin_candidates
 from crashkit.diagnose.fitting.contest import heats
-from crashkit.diagnose.fitting.evidence import Rival
+from crashkit.diagnose.fitting.evidence import Rival, best_forms, by_evidence, ranked_by_evidence
 from crashkit.diagnose.name.forms import along, with_form
 from crashkit.diagnose.name.inquiry import Inquiry
+from crashkit.diagnose.name.look import Look, compared
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.misfit import Misfit
 
@@ -18,6 +19,12 @@ FORMS = (16, 8)
 """How many forms go on with all numbers, and how many steps each gets."""
 CLAIMS = (4, 60)
 """The same for the best form of each claim."""
+
+
+def with_imitations(inquiry: Inquiry, look: Look, table: Rival) -> Look:
+    """The look with what the known causes at the place of an estimate leave, begun beside that."""
+    fitted = ranked_by_evidence(imitating(inquiry, table, look.before), table.without)
+    return compared(look, best_forms(by_evidence([*look.rivals, *fitted])))
 
 
 def imitating(inquiry: Inquiry, table: Rival, without: Misfit) -> list[Candidate]:

@@ -12,12 +12,11 @@ from crashkit.diagnose.fitting.evidence import (
     by_evidence,
     explains,
     is_unknown,
-    ranked_by_evidence,
     rival_of,
 )
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.forms import in_best_forms
-from crashkit.diagnose.name.imitate import imitating
+from crashkit.diagnose.name.imitate import with_imitations
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look, compared, least_drop, look_again
 from crashkit.diagnose.name.settle import settled
@@ -52,8 +51,7 @@ def named_beside(inquiry: Inquiry, look: Look, findings: Sequence[Look]) -> Look
     table, places = look.winner, [one.leader.place for one in findings]
     if not places or table is None or not is_unknown(table) or table.place in places:
         return look
-    fitted = ranked_by_evidence(imitating(inquiry, table, look.before), table.without)
-    named = compared(look, best_forms(by_evidence([*look.rivals, *fitted])))
+    named = with_imitations(inquiry, look, table)
     return named if _beats(named.winner, table) or _is_all(named.winner, table) else look
 
 
@@ -94,10 +92,8 @@ def _is_all(rival: Rival | None, table: Rival) -> bool:
 
 def _named(inquiry: Inquiry, look: Look, table: Rival) -> Look:
     """The look without estimates, with what imitates its table, its winner in the best form."""
-    imitations = imitating(inquiry, table, look.before)
-    rivals = [*look.rivals, *ranked_by_evidence(imitations, table.without)]
-    known = by_evidence(rival for rival in rivals if not is_unknown(rival))
-    first = compared(look, best_forms(known))
+    known = [rival for rival in with_imitations(inquiry, look, table).rivals if not is_unknown(rival)]
+    first = compared(look, known)
     if first.winner is None:
         return first
     first = settled(inquiry, first, first.winner, [])

@@ -1,9 +1,9 @@
 """Known causes where an estimated force leaves less than a known cause elsewhere, begun beside that estimate."""
 
-from crashkit.diagnose.fitting.evidence import Rival, best_forms, by_evidence, is_unknown, ranked_by_evidence
-from crashkit.diagnose.name.imitate import imitating
+from crashkit.diagnose.fitting.evidence import Rival, is_unknown
+from crashkit.diagnose.name.imitate import with_imitations
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Look, compared
+from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.name.rivals import CONCEALED
 
 BY_CHANCE = 2.0
@@ -20,8 +20,7 @@ def with_causes_pointed_to(inquiry: Inquiry, look: Look) -> Look:
     estimate = min(filter(is_unknown, look.rivals), key=lambda rival: rival.search.deviance, default=None)
     if look.winner is None or known is None or estimate is None or not _points_elsewhere(estimate, known):
         return look
-    fitted = ranked_by_evidence(imitating(inquiry, estimate, look.before), estimate.without)
-    return compared(look, best_forms(by_evidence([*look.rivals, *fitted])))
+    return with_imitations(inquiry, look, estimate)
 
 
 def _points_elsewhere(estimate: Rival, known: Rival) -> bool:

@@ -6,7 +6,7 @@ import pytest
 from attrs import evolve
 
 from crashkit.diagnose.fitting.evidence import Rival
-from crashkit.diagnose.name import pairs
+from crashkit.diagnose.name import imitate, pairs
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.result import UNKNOWN
@@ -36,8 +36,8 @@ def named(monkeypatch, inquiry):
         looks = iter(later)
         monkeypatch.setattr(pairs, "explains", lambda search: is_all)
         imitations = [("fracture", imitation)] if imitation else []
-        monkeypatch.setattr(pairs, "imitating", lambda *_: imitations)
-        monkeypatch.setattr(pairs, "ranked_by_evidence", lambda found, reference: [rival(*one) for one in found])
+        monkeypatch.setattr(imitate, "imitating", lambda *_: imitations)
+        monkeypatch.setattr(imitate, "ranked_by_evidence", lambda found, reference: [rival(*one) for one in found])
         monkeypatch.setattr(pairs, "look_again", lambda *_: next(looks))
         monkeypatch.setattr(pairs, "settled", lambda inquiry, look, winner, found: look)
         monkeypatch.setattr(pairs, "in_best_forms", lambda inquiry, findings, search: (better(findings), search))
@@ -113,8 +113,8 @@ def beside(monkeypatch, inquiry):
 
     def ask(place, imitation, is_all):
         monkeypatch.setattr(pairs, "explains", lambda search: is_all)
-        monkeypatch.setattr(pairs, "imitating", lambda *_: [("fracture", imitation)])
-        monkeypatch.setattr(pairs, "ranked_by_evidence", lambda found, reference: [rival(*one) for one in found])
+        monkeypatch.setattr(imitate, "imitating", lambda *_: [("fracture", imitation)])
+        monkeypatch.setattr(imitate, "ranked_by_evidence", lambda found, reference: [rival(*one) for one in found])
         found = rival("clearance", 3000.0)
         first = won_by(evolve(found, proposal=evolve(found.proposal, location={"joint": place})))
         return pairs.named_beside(inquiry(None), won_by(TABLE), [first]).leader.proposal.physics
