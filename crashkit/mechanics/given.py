@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Iterator
+from functools import lru_cache
 
 import numpy as np
 from attrs import frozen
@@ -98,7 +99,9 @@ def _affine(times: Floats, rows: Floats) -> PPoly:
     return PPoly([np.diff(rows, axis=0) / np.diff(times)[:, None], rows[:-1]], times, extrapolate=False)
 
 
+@lru_cache(maxsize=64)
 def _position(motion: GivenMotion) -> PPoly:
+    """Remembered: many models have their bodies moved alike."""
     rows = np.array(motion.position)
     if motion.orientation and len(motion.orientation[0]) == 1:
         rows = np.column_stack([rows, np.unwrap(np.array(motion.orientation), axis=0)])

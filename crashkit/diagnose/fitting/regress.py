@@ -20,7 +20,7 @@ from crashkit.protocols import Identifier, Proposal, advanced
 
 ROUNDS = ((None, 4), (2, 25))
 """How many of the starts enter each round of a regression, and how many steps each gets there."""
-OPENING = ((None, 4), (2, 6))
+OPENING = ((None, 2), (3, 2), (1, 6))
 """The same for each of many claims at first."""
 CLAIMS = 48
 """How many of these go on."""
@@ -28,6 +28,8 @@ STEPS = 30
 """Of a search with simulations from there."""
 AT_A_TIME = 4
 """How many searches take in the recordings little by little, which is slow, before it is asked whether that is enough."""
+APART = 0.05
+"""Of what a middling claim leaves above the noise: one that leaves less is where it belongs."""
 HEATS = ((16, 10), (5, 60))
 """How many of the forms that leave least of the equations are simulated, and how many more steps each gets."""
 
@@ -82,8 +84,8 @@ def regressed(
 def simulated(
     identifier: Identifier[Any], starts: Sequence[Misfit], known: Sequence[bool], told: Callable[[float], None]
 ) -> list[Search]:
-    """Searches with simulations from where the equations have led: at once, and until a known claim explains everything, a few
-    at a time, little by little too; the better of both.
+    """Searches with simulations from where the equations have led: at once, and until a known claim explains everything or far
+    more than most, a few at a time, little by little too; the better of both.
 
     Arguments:
         told: the share that is done; where it raises, nothing more is.
@@ -92,13 +94,19 @@ def simulated(
     searches = advance_all(begin_all(identifier, starts), STEPS)
     order = sorted(range(len(starts)), key=lambda one: (not known[one], searches[one].state.cost))
     for first in range(0, len(order), AT_A_TIME):
-        if any(is_known and explains(search) for is_known, search in zip(known, searches, strict=True)):
+        if _stands_out([search for is_known, search in zip(known, searches, strict=True) if is_known]):
             break
         told(first / len(order))
         few = order[first : first + AT_A_TIME]
         for one, search in zip(few, _by_and_by(identifier, [starts[one] for one in few]), strict=True):
             searches[one] = min(searches[one], search, key=lambda search: search.state.cost)
     return searches
+
+
+def _stands_out(searches: Sequence[Search]) -> bool:
+    """Whether one of these fits explains everything, or leaves next to nothing of what half of them do."""
+    left = sorted(search.excess for search in searches)
+    return any(map(explains, searches)) or (len(left) > 1 and left[0] < APART * left[len(left) // 2])
 
 
 def _by_and_by(identifier: Identifier[Any], starts: Sequence[Misfit]) -> list[Search]:

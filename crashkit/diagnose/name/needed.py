@@ -1,7 +1,8 @@
 """Which findings the final fit can spare, and what each is worth."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
+import numpy as np
 from attrs import evolve
 
 from crashkit.diagnose.claims import price_of
@@ -17,6 +18,9 @@ THERE = 0.05
 """Share of what one finding explains that another at its place must explain: most of all, the error of a form looks like a
 force where it is."""
 
+Without = Mapping[tuple[str, str], Search | None]
+"""Of each finding, the fit with all others; None where one of them has no place alone."""
+
 
 def needed(
     workshop: Workshop, findings: Sequence[Look], base: Search, final: Search
@@ -25,30 +29,35 @@ def needed(
 
     An early finding may only have led the search past a local optimum.
     """
-    kept, spared = list(findings), dict[tuple[str, str], Search | None]()
     for look in findings:
         base = alone_again(base, [look.leader.search.fitted()])
-        others = _others(kept, look)
-        without = rebuild(workshop, base, others, final)
-        spared[look.leader.identity] = without
-        if without is not None and without.deviance < final.deviance + _asked(look.leader, others, final.misfit):
-            kept, final = [one for one in kept if one is not look], without
-            spared.clear()  # those fits had it beside them
-    for look in kept:
-        if look.leader.identity not in spared:
-            spared[look.leader.identity] = rebuild(workshop, base, _others(kept, look), final)
-    told = [evolve(look, before=_before(workshop, look, spared[look.leader.identity] or base)) for look in kept]
+    kept, without = list(findings), _without_each(workshop, findings, base, final)
+    while spare := _spare(kept, without, final):
+        kept, final = [look for look in kept if look is not spare], without[spare.leader.identity] or base
+        without = _without_each(workshop, kept, base, final)
+    told = [evolve(look, before=_before(workshop, look, without[look.leader.identity] or base)) for look in kept]
     return tuple(told), base, final
 
 
-def _others(kept: Sequence[Look], look: Look) -> list[Rival]:
-    return [one.leader for one in kept if one is not look]
+def _without_each(workshop: Workshop, kept: Sequence[Look], base: Search, final: Search) -> Without:
+    rivals = [look.leader for look in kept]
+    return {one.identity: rebuild(workshop, base, [r for r in rivals if r is not one], final) for one in rivals}
 
 
-def _asked(rival: Rival, others: Sequence[Rival], misfit: Misfit) -> float:
-    """Chi squared that a finding must explain beside the others."""
-    place = rival.place
-    there = [one.drop for one in others if one.place == place]
+def _spare(kept: Sequence[Look], without: Without, final: Search) -> Look | None:
+    """The first finding that explains less beside the others than is asked of it."""
+    fits = ((look, without[look.leader.identity]) for look in kept)
+    explained = [(look.leader, np.inf if fit is None else fit.deviance - final.deviance) for look, fit in fits]
+    pairs = zip(kept, explained, strict=True)
+    return next((look for look, (rival, drop) in pairs if drop < _asked(rival, explained, final.misfit)), None)
+
+
+def _asked(rival: Rival, explained: Sequence[tuple[Rival, float]], misfit: Misfit) -> float:
+    """Chi squared that a finding must explain beside all, which explain so much in the final fit.
+
+    What one explained when it was found says less: thinned recordings hardly show what rings.
+    """
+    there = [drop for one, drop in explained if one.place == rival.place and one is not rival and np.isfinite(drop)]
     return max([price(rival.proposal, misfit), *(THERE * drop for drop in there)])
 
 

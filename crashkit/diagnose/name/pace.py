@@ -2,6 +2,7 @@
 
 from attrs import evolve
 
+from crashkit.diagnose.claims import accuses_instrument
 from crashkit.diagnose.fitting.evidence import FLOOR, Rival, is_unknown
 from crashkit.diagnose.fitting.search import STEPS, begin
 from crashkit.diagnose.fitting.sharpen import in_the_light_of, sharpened
@@ -24,8 +25,11 @@ class OutrunError(Exception):
 
 
 def check_pace(inquiry: Inquiry, found: Rival) -> None:
-    """Raises OutrunError where most of what a finding leaves above the noise was made by thinning."""
+    """Raises OutrunError where most of what a finding leaves above the noise was made by thinning; of readings always where
+    they change faster: thinned ones hardly show what rings, and all that it leaves of the means then looks like more."""
     left = found.search
+    if accuses_instrument(found.proposal):
+        check_rate(inquiry, found)
     if not inquiry.unthinned or is_unknown(found) or left.normalised < FLOOR:
         return
     equipped = inquiry.workshop.equipped([left.misfit.model])

@@ -13,7 +13,7 @@ from crashkit_hypotheses.build import Effect, added, beside, grid, multiplied
 from crashkit_hypotheses.sizes import compressed, largest_deformation
 
 FORCE = Parameter(0.0, 0.0, 1e8)
-BEFORE = 1.6
+BEFORE = 2.5
 """Times the deformation at which the plateau begins: a peak beyond that is none before the plateau."""
 PASSED = 0.85
 """Of the deformation reached: a peak that is hardly passed shows as a rise alone, which is no peak."""

@@ -33,10 +33,18 @@ class EquationError(SameVariables):
 
     def residual_and_jacobian(self, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What the equations leave of the measured accelerations, and its derivatives to the search variables."""
-        values = self.misfit.model.values() | self.misfit.values(scaled)
+        values = self._values(scaled)
         parts = [run.residual_and_jacobian(values, self.names) for run in self._runs]
         residual, jacobian = (np.concatenate(side) for side in zip(*parts, strict=True))
         return residual, jacobian * self.scaling(scaled)
+
+    def residual(self, scaled: np.ndarray) -> np.ndarray:
+        """What the equations leave of the measured accelerations."""
+        values = self._values(scaled)
+        return np.concatenate([run.residual(values) for run in self._runs])
+
+    def _values(self, scaled: np.ndarray) -> dict[str, float]:
+        return self.misfit.model.values() | self.misfit.values(scaled)
 
 
 class Seen:
@@ -50,6 +58,9 @@ class Seen:
         self._measured = np.concatenate([motion[name].values for name in names], axis=2)[:, self._moving]
         std = np.concatenate([motion[f"{name}_std"].values for name in names], axis=2)[:, self._moving]
         self._weight = weights(std)
+
+    def residual(self, values: Mapping[str, float]) -> np.ndarray:
+        return self.residual_and_jacobian(values, self._form.paths)[0]
 
     def residual_and_jacobian(self, values: Mapping[str, float], names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
         acceleration, matrix = self._form.at(values, self._form.modes(values))

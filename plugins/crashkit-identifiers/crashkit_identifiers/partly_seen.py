@@ -7,6 +7,7 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.mechanics import Simulator
+from crashkit.mechanics.kernel.arrays import Record
 from crashkit.mechanics.motion import quantities
 from crashkit.mechanics.repeated_run import RepeatedRun
 from crashkit.misfit import Misfit
@@ -48,18 +49,37 @@ class PartlySeen:
         self._measured = motion["acceleration"].values[:, :, 0]
         self._weight = weights(motion["acceleration_std"].values[:, :, 0])
 
+    def residual(self, values: Mapping[str, float]) -> np.ndarray:
+        """What the equations leave of the measured accelerations, over their noise."""
+        forces, masses = self._forces(self._record(values, False).values), self._masses_at(values)
+        return self._left(forces, masses).ravel()
+
     def residual_and_jacobian(self, values: Mapping[str, float], names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
-        """What the equations leave of the measured accelerations, over their noise, and its derivatives."""
-        record = self._run.record(np.array([values[path] for path in self._paths], dtype=float), sensitivities=True)
-        forces, slopes = (quantities(part, ("x",), *self._count)[0]["contact_force"][:, self._rows, 0] for part in record)
-        masses = np.array([values[path] for path in self._masses])
-        residual = (self._measured - self._gravity - forces / masses) * self._weight
+        """The same, and its derivatives."""
+        record, masses = self._record(values, True), self._masses_at(values)
+        forces, slopes = self._forces(record.values), self._forces(record.tangents)
+        residual = self._left(forces, masses)
         jacobian = np.zeros((*residual.shape, len(names)))
         jacobian[..., [names.index(path) for path in self._paths]] = -slopes / masses[:, None] * self._weight[:, None]
         for row, path in enumerate(self._masses):
             if path in names:
                 jacobian[:, row, names.index(path)] = forces[:, row] / masses[row] ** 2 * self._weight[row]
         return residual.ravel(), jacobian.reshape(-1, len(names))
+
+    def _record(self, values: Mapping[str, float], sensitivities: bool) -> Record:
+        return self._run.record(np.array([values[path] for path in self._paths], dtype=float), sensitivities)
+
+    def _forces(self, part: np.ndarray) -> np.ndarray:
+        """On the bodies that are seen, N, or the derivatives of these."""
+        forces: np.ndarray = quantities(part, ("x",), *self._count)[0]["contact_force"][:, self._rows, 0]
+        return forces
+
+    def _masses_at(self, values: Mapping[str, float]) -> np.ndarray:
+        return np.array([values[path] for path in self._masses])
+
+    def _left(self, forces: np.ndarray, masses: np.ndarray) -> np.ndarray:
+        left: np.ndarray = (self._measured - self._gravity - forces / masses) * self._weight
+        return left
 
 
 def _initial(misfit: Misfit, run: str, free: Sequence[str]) -> xr.Dataset | None:

@@ -48,12 +48,12 @@ def test_a_finding_that_the_fit_needs_is_kept(workshop, offered):
 def test_a_finding_at_the_place_of_another_must_explain_a_share_of_it(workshop, offered, explained, is_told):
     """The error of that one's form looks like a force there, and a force at another place is something else."""
     look, base, final = offered(800.0)
-    here = evolve(look.leader, drop=explained)
-    asked = _asked(look.leader, [here], final.misfit)
+    here = evolve(look.leader)
+    asked = _asked(look.leader, [(here, explained)], final.misfit)
     assert asked == pytest.approx(max(LEAST_DROP, 0.05 * explained))
     assert (base.deviance - final.deviance > asked) is is_told
     moved = evolve(here, proposal=evolve(here.proposal, location={"joint": "elsewhere"}))
-    assert _asked(look.leader, [moved], final.misfit) == LEAST_DROP
+    assert _asked(look.leader, [(moved, explained)], final.misfit) == LEAST_DROP
 
 
 def test_what_is_kept_is_seen_against_the_model_without_what_was_dropped(workshop, model, offered):
