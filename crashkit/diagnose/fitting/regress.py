@@ -84,8 +84,8 @@ def regressed(
 def simulated(
     identifier: Identifier[Any], starts: Sequence[Misfit], known: Sequence[bool], told: Callable[[float], None]
 ) -> list[Search]:
-    """Searches with simulations from where the equations have led: at once, and until a known claim explains everything or far
-    more than most, a few at a time, little by little too; the better of both.
+    """Searches with simulations from where the equations have led: at once, and until a known claim explains everything, a few
+    at a time, little by little too; the better of both. Where one stands out after the first few, no others are.
 
     Arguments:
         told: the share that is done; where it raises, nothing more is.
@@ -94,7 +94,8 @@ def simulated(
     searches = advance_all(begin_all(identifier, starts), STEPS)
     order = sorted(range(len(starts)), key=lambda one: (not known[one], searches[one].state.cost))
     for first in range(0, len(order), AT_A_TIME):
-        if _stands_out([search for is_known, search in zip(known, searches, strict=True) if is_known]):
+        named = [search for is_known, search in zip(known, searches, strict=True) if is_known]
+        if any(map(explains, named)) or (first and _stands_out(named)):
             break
         told(first / len(order))
         few = order[first : first + AT_A_TIME]
@@ -104,9 +105,9 @@ def simulated(
 
 
 def _stands_out(searches: Sequence[Search]) -> bool:
-    """Whether one of these fits explains everything, or leaves next to nothing of what half of them do."""
+    """Whether one of these fits leaves next to nothing of what half of them do."""
     left = sorted(search.excess for search in searches)
-    return any(map(explains, searches)) or (len(left) > 1 and left[0] < APART * left[len(left) // 2])
+    return len(left) > 1 and left[0] < APART * left[len(left) // 2]
 
 
 def _by_and_by(identifier: Identifier[Any], starts: Sequence[Misfit]) -> list[Search]:
