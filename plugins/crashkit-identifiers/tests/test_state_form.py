@@ -1,5 +1,6 @@
 """The state form as a method: the contract, and that it hardly needs a start."""
 
+import numpy as np
 import pytest
 import xarray as xr
 from attrs import evolve
@@ -77,6 +78,13 @@ def test_a_body_that_nobody_saw_is_simulated_beside_the_others(blind, errors, fa
     found = run(StateFormRegression(), blind(truth, factor))
     assert "body.rear.mass" in found.values
     assert max(map(abs, errors(found, truth).values())) < 1e-3
+
+
+def test_residuals_alone_are_those_that_come_with_derivatives(blind):
+    problem = blind(toys.two_degrees(rear_mass=toys.REAR_MASS_INVERTED), 1.3)
+    state = StateFormRegression().start(problem)
+    equations = StateFormRegression().equations(problem, state)
+    np.testing.assert_array_equal(equations.residual(state.point), equations.residual_and_jacobian(state.point)[0])
 
 
 def test_a_body_that_nobody_saw_is_named_where_a_force_is_given(blind):

@@ -1,5 +1,8 @@
 """Where measured accelerations lead a claim."""
 
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 import xarray as xr
 from attrs import evolve
@@ -175,6 +178,22 @@ def test_the_most_promising_are_shown_the_recordings_first_and_known_ones_before
     assert len(shown) == len(steps) > AT_A_TIME
     assert [one.values(one.start()) for one in shown] == [steps[one].values(steps[one].start()) for one in order]
     assert all(end.normalised <= begin(workshop.identifier, one).normalised for end, one in zip(ends, steps, strict=True))
+
+
+@pytest.mark.parametrize(("apart", "count"), [(np.inf, AT_A_TIME), (0.0, 6)])
+def test_beside_one_that_stands_out_only_the_most_promising_are_shown_the_recordings(
+    rough, workshop, shown, monkeypatch, apart, count
+):
+    monkeypatch.setattr(regress, "APART", apart)
+    steps = [rough.with_values({"joint.first.crush_force": force}) for force in (5e3, 3e4, 6e4, 9e4, 1e5, 2e5)]
+    simulated(workshop.identifier, steps, [True] * len(steps), lambda share: None)
+    assert len(shown) == count
+
+
+@pytest.mark.parametrize(("left", "is_apart"), [([2.0, 9.0, 14.0], True), ([4.0, 9.0, 14.0], False), ([2.0], False)])
+def test_a_fit_stands_out_that_leaves_next_to_nothing_of_what_most_do(left, is_apart):
+    fits = [SimpleNamespace(excess=normalised**2 - 1.0) for normalised in left]
+    assert regress._stands_out(fits) is is_apart
 
 
 def test_while_little_has_been_seen_all_numbers_are_believed_to_be_where_they_are(rough, workshop, shown):

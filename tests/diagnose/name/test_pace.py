@@ -99,3 +99,13 @@ def test_all_is_asked_again_of_finer_recordings_and_the_claim_stands_where_time_
     told = diagnosis._discovered_at_pace(Inquiry(workshop, given, base, None, {"run": recorded(model)}), [])
     assert asked == [({"run": asked[0][0]["run"]}, []), ({}, [found])]
     assert told.findings[0].leader.drop == (1.0 if is_answered else 1000.0)
+
+
+@pytest.mark.parametrize(("location", "is_asked"), [({"sensor": "s", "instrument": "a"}, True), ({"joint": "front"}, False)])
+def test_readings_at_the_noise_may_outrun_what_was_thinned_too(monkeypatch, finer, location, is_asked):
+    """What rings is hardly seen in means: what is left of it looks like more, even where nothing seems to be left."""
+    asked = []
+    monkeypatch.setattr(pace, "check_rate", lambda inquiry, found: asked.append(found))
+    told = claim(1.01)
+    check_pace(finer(1.0), evolve(told, proposal=evolve(told.proposal, location=location)))
+    assert bool(asked) is is_asked
