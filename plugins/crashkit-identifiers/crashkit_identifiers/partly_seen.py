@@ -16,6 +16,9 @@ from crashkit_identifiers.measured import known, require_seen, weights
 from crashkit_identifiers.rails import on_rails
 from crashkit_identifiers.recorded import engine_of, laws_of
 
+SHARE = 0.5
+"""Of the time between two instants: where few are looked at, in shorter steps no more is seen of what moves between them."""
+
 
 class PartlySeen:
     """m a = F of each body that is seen, in one axis, while those that are not move as the model says.
@@ -45,7 +48,9 @@ class PartlySeen:
         self._gravity = model.gravity[0] if model.gravity else 0.0
         simulator = Simulator(evolve(model, bodies=bodies, instruments=()), laws_of(misfit), engine_of(misfit))
         initial = _initial(misfit, run, [body.name for body in bodies if body.is_free])
-        self._run = RepeatedRun(simulator, motion["time"].values, self._paths, None, initial, misfit.step)
+        times = motion["time"].values
+        step = max(misfit.step, SHARE * float(np.median(np.diff(times))))
+        self._run = RepeatedRun(simulator, times, self._paths, None, initial, step)
         self._measured = motion["acceleration"].values[:, :, 0]
         self._weight = weights(motion["acceleration_std"].values[:, :, 0])
 
