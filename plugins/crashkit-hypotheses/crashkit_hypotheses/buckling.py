@@ -14,7 +14,8 @@ from crashkit_hypotheses.sizes import compressed, largest_deformation
 
 FORCE = Parameter(0.0, 0.0, 1e8)
 BEFORE = 2.5
-"""Times the deformation at which the plateau begins: a peak beyond that is none before the plateau."""
+"""Times the deformation at which the plateau begins: a peak beyond that is none before the plateau. One that the model lacks
+drives its stiffness up, and its plateau then seems to begin early."""
 PASSED = 0.85
 """Of the deformation reached: a peak that is hardly passed shows as a rise alone, which is no peak."""
 FINE = ("pointed", "uneven", "bell", "decaying")

@@ -21,13 +21,14 @@ class EquationError(SameVariables):
     Arguments:
         misfit: of the model to the recordings.
         measured: the motion of each run, as `measured_motion` gives it.
+        step: s, longest of the simulation of bodies that nobody saw.
     """
 
-    def __init__(self, misfit: Misfit, measured: Mapping[str, xr.Dataset]) -> None:
+    def __init__(self, misfit: Misfit, measured: Mapping[str, xr.Dataset], step: float) -> None:
         super().__init__(misfit)
         self.misfit = misfit
         self._runs = [
-            PartlySeen(misfit, run, motion) if unseen(misfit, motion) else Seen(misfit, motion)
+            PartlySeen(misfit, run, motion, step) if unseen(misfit, motion) else Seen(misfit, motion)
             for run, motion in measured.items()
         ]
 

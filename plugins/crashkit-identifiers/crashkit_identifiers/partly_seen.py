@@ -16,9 +16,6 @@ from crashkit_identifiers.measured import known, require_seen, weights
 from crashkit_identifiers.rails import on_rails
 from crashkit_identifiers.recorded import engine_of, laws_of
 
-SHARE = 0.5
-"""Of the time between two instants: where few are looked at, in shorter steps no more is seen of what moves between them."""
-
 
 class PartlySeen:
     """m a = F of each body that is seen, in one axis, while those that are not move as the model says.
@@ -30,12 +27,13 @@ class PartlySeen:
         misfit: of the model to the recordings.
         run: its name.
         motion: measured.
+        step: s, longest of the simulation.
 
     Raises:
         CrashkitError: the model has several axes, nothing that moves is seen, or a force is given of what is.
     """
 
-    def __init__(self, misfit: Misfit, run: str, motion: xr.Dataset) -> None:
+    def __init__(self, misfit: Misfit, run: str, motion: xr.Dataset, step: float) -> None:
         model = misfit.model
         seen = [body for body in model.bodies if body.is_free and bool(motion["seen"].sel(body=body.name))]
         if len(model.axes) > 1 or not seen or any(body.force for body in seen):
@@ -48,9 +46,7 @@ class PartlySeen:
         self._gravity = model.gravity[0] if model.gravity else 0.0
         simulator = Simulator(evolve(model, bodies=bodies, instruments=()), laws_of(misfit), engine_of(misfit))
         initial = _initial(misfit, run, [body.name for body in bodies if body.is_free])
-        times = motion["time"].values
-        step = max(misfit.step, SHARE * float(np.median(np.diff(times))))
-        self._run = RepeatedRun(simulator, times, self._paths, None, initial, step)
+        self._run = RepeatedRun(simulator, motion["time"].values, self._paths, None, initial, step)
         self._measured = motion["acceleration"].values[:, :, 0]
         self._weight = weights(motion["acceleration_std"].values[:, :, 0])
 

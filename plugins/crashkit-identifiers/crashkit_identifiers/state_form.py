@@ -19,13 +19,16 @@ from crashkit_identifiers.result import conclude
 FACTORS = (1.0, 0.5, 0.25, 0.125, 2.0)
 FEW = 80
 """Instants that make a start."""
+SHARE, LONGER = 0.5, 4.0
+"""Of the time between two of them, and times the step of the misfit: how long a step of the simulation may be there."""
 
 
 @frozen(eq=False)
 class Motions:
-    """The measured motion of each run."""
+    """The measured motion of each run, and the longest step, s, in which a body that nobody saw is simulated beside it."""
 
     by_run: Mapping[str, xr.Dataset]
+    step: float
 
 
 @frozen(eq=False)
@@ -58,10 +61,11 @@ class StateFormRegression(Regression[RegressionState]):
     def start(self, problem: Problem) -> RegressionState:
         """The state at the best of some multiples of the problem's own start."""
         misfit = with_recordings(problem, self.name)
-        measured = measured_motions(misfit)
+        measured, step = measured_motions(misfit), misfit.step
         if self.instants:
             measured = {run: thinned(motion, self.instants) for run, motion in measured.items()}
-        motions = Motions(measured)
+            step = _longer_step(step, measured)
+        motions = Motions(measured, step)
         searches = [begin(_From(_equations(misfit, motions), factor)) for factor in self.factors]
         return RegressionState(min(searches, key=lambda search: search.cost), motions)
 
@@ -96,7 +100,13 @@ class QuickRegression(StateFormRegression):
 @lru_cache(maxsize=16)
 def _equations(misfit: Misfit, measured: Motions) -> EquationError:
     """Remembered: to set them up takes longer than a step."""
-    return EquationError(misfit, measured.by_run)
+    return EquationError(misfit, measured.by_run, measured.step)
+
+
+def _longer_step(step: float, measured: Mapping[str, xr.Dataset]) -> float:
+    """In shorter ones no more is seen of what moves between the few instants that are looked at."""
+    between = min(float(np.median(np.diff(motion["time"].values))) for motion in measured.values())
+    return max(step, min(LONGER * step, SHARE * between))
 
 
 class _From(SameVariables):

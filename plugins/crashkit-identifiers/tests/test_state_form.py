@@ -13,7 +13,7 @@ from crashkit.registry import load
 from crashkit.testing import IdentifierContract, toys
 from crashkit_identifiers.run import run
 from crashkit_identifiers.sensitivity import Sensitivity
-from crashkit_identifiers.state_form import FEW, QuickRegression, StateFormRegression
+from crashkit_identifiers.state_form import FEW, LONGER, QuickRegression, StateFormRegression
 
 
 class TestStateForm(IdentifierContract):
@@ -35,6 +35,7 @@ class TestQuickRegression(IdentifierContract):
 def test_a_quick_start_looks_at_few_instants(search):
     problem = search(toys.one_degree())
     state = QuickRegression().start(problem)
+    assert problem.step < state.measured.step <= LONGER * problem.step
     assert {run: FEW <= motion.sizes["time"] < 2 * FEW for run, motion in state.measured.by_run.items()} == {"speed_1": True}
 
 
