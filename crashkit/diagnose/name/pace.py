@@ -25,8 +25,10 @@ class OutrunError(Exception):
 
 
 def check_pace(inquiry: Inquiry, found: Rival) -> None:
-    """Raises OutrunError where most of what a finding leaves above the noise was made by thinning; of readings always where
-    they change faster: thinned ones hardly show what rings, and all that it leaves of the means then looks like more."""
+    """Raises OutrunError where most of what a finding leaves above the noise was made by thinning.
+
+    One about readings, as of a sensor that rings, may leave nothing of the means, which hardly show it: its rate decides.
+    """
     left = found.search
     if accuses_instrument(found.proposal):
         check_rate(inquiry, found)

@@ -81,8 +81,10 @@ def test_a_body_that_nobody_saw_is_simulated_beside_the_others(blind, errors, fa
     assert max(map(abs, errors(found, truth).values())) < 1e-3
 
 
-def test_residuals_alone_are_those_that_come_with_derivatives(blind):
-    problem = blind(toys.two_degrees(rear_mass=toys.REAR_MASS_INVERTED), 1.3)
+@pytest.mark.parametrize("seen", ["all", "front"])
+def test_residuals_alone_are_those_that_come_with_derivatives(search, blind, seen):
+    given = search if seen == "all" else blind
+    problem = given(toys.two_degrees(rear_mass=toys.REAR_MASS_INVERTED), 1.3)
     state = StateFormRegression().start(problem)
     equations = StateFormRegression().equations(problem, state)
     np.testing.assert_array_equal(equations.residual(state.point), equations.residual_and_jacobian(state.point)[0])

@@ -22,7 +22,7 @@ from crashkit.diagnose.name.follow import (
 )
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import LEAST_DROP, Look, is_given, least_drop
-from crashkit.diagnose.name.needed import _asked, needed, price
+from crashkit.diagnose.name.needed import _asked, _spare, needed, price
 from crashkit.diagnose.refining import _is_worthless
 from crashkit.diagnose.show.left_out import left_out_drop
 from crashkit.model import Joint, Parameter
@@ -54,6 +54,21 @@ def test_a_finding_at_the_place_of_another_must_explain_a_share_of_it(workshop, 
     assert (base.deviance - final.deviance > asked) is is_told
     moved = evolve(here, proposal=evolve(here.proposal, location={"joint": "elsewhere"}))
     assert _asked(look.leader, [(moved, explained)], final.misfit) == LEAST_DROP
+
+
+def test_what_the_final_fit_loses_decides_and_not_what_thinned_recordings_had_shown():
+    """Of means a ringing sensor explained 691, and a gain of the same sensor 76."""
+    ringing, gain = (
+        Look((Rival(Proposal(physics, "", {"sensor": "s"}, None, ("a",), {}), None, drop, 0.0),), (1.0,), 0.0, None)
+        for physics, drop in (("mounting_resonance", 691.0), ("gain_error", 76.0))
+    )
+    final = SimpleNamespace(deviance=0.0, misfit=SimpleNamespace(independent_samples=1000.0))
+    for lost, spare in ((691.0, None), (80_000.0, gain)):
+        without = {
+            ringing.leader.identity: SimpleNamespace(deviance=lost),
+            gain.leader.identity: SimpleNamespace(deviance=49.0),
+        }
+        assert _spare([ringing, gain], without, final) is spare
 
 
 def test_what_is_kept_is_seen_against_the_model_without_what_was_dropped(workshop, model, offered):
