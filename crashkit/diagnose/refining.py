@@ -7,7 +7,7 @@ from attrs import evolve
 
 from crashkit.diagnose.fitting.reidentify import refine
 from crashkit.diagnose.fitting.search import STEPS, Search, begin
-from crashkit.diagnose.fitting.sharpen import in_the_light_of, sharpened, weighed_alike
+from crashkit.diagnose.fitting.sharpen import ROUGHLY, in_the_light_of, sharpened, weighed_alike
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.name.needed import needed, price
@@ -33,7 +33,8 @@ def refined(workshop: Workshop, discovery: Discovery, model: Model, recordings: 
     searches = [sharpened(workshop, model, recordings, search) for search in searches]
     full = weighed_alike(workshop.first_misfit(model, recordings), found)
     base, final = (workshop.misfit(full, search.fitted().model) for search in searches)
-    if findings and _is_worthless(findings, base, final):
+    believing = full.with_prior(ROUGHLY)
+    if findings and _is_worthless(findings, *(workshop.misfit(believing, one.model) for one in (base, final))):
         findings, final, searches = (), base, [searches[0]] * 2
     last = discovery.findings[0] if discovery.findings and not findings else discovery.last
     return evolve(discovery, base=base, final=final, search=searches[1].unbelieving(), findings=findings, last=last)
@@ -47,6 +48,7 @@ def _unexplained(workshop: Workshop, misfit: Misfit) -> Search:
 
 
 def _is_worthless(findings: Sequence[Look], base: Misfit, final: Misfit) -> bool:
-    """Whether all samples together show less than the findings cost: then these explained what thinning had left."""
+    """Whether all samples together, and what was believed of the numbers, show less than the findings cost: then these explained
+    what thinning had left."""
     before, after = (misfit.deviance(misfit.residual(misfit.start())) for misfit in (base, final))
     return before - after < sum(price(look.leader.proposal, final) for look in findings)

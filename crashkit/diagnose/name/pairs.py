@@ -1,6 +1,6 @@
 """Two causes where no single one explains enough: a couple at once, or named ones instead of an estimated table."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 from attrs import evolve
 
@@ -36,10 +36,11 @@ def named_before_unknown(inquiry: Inquiry, look: Look) -> tuple[list[Look], Look
         return [], named
     if table.search.normalised < FLOOR:
         return [], look
-    for first, second in _pairs(inquiry, named, table):
+    if named.winner is not None:
+        second = look_again(inquiry, named.winner.search.fitted(), [named.winner])
         if _beats(second.winner, table):
-            return [first], second
-    return [], look
+            return [named], second
+    return _standing_out(inquiry, look, table) or ([], look)
 
 
 def named_beside(inquiry: Inquiry, look: Look, findings: Sequence[Look]) -> Look:
@@ -101,15 +102,18 @@ def _named(inquiry: Inquiry, look: Look, table: Rival) -> Look:
     return best
 
 
-def _pairs(inquiry: Inquiry, named: Look, table: Rival) -> Iterator[tuple[Look, Look]]:
-    """The best named cause, and what is left beside it; then the cause that stands out beside the table, likewise."""
-    if named.winner is not None:
-        yield named, look_again(inquiry, named.winner.search.fitted(), [named.winner])
+def _standing_out(inquiry: Inquiry, look: Look, table: Rival) -> tuple[list[Look], Look] | None:
+    """The cause that stands out beside the table, and what is left beside it; or nothing and the look that it leads, where it
+    is all there is: an error of a sensor may be found only where a table has taken up what hid it."""
     beside = look_again(inquiry, table.search.fitted(), [table])
     if beside.winner is None or is_unknown(beside.winner):
-        return
+        return None
     alone = inquiry.fit_with([beside.winner], beside.winner.search)
-    if alone is not None:
-        found = evolve(beside.winner, search=alone)
-        first = beside.led_by(found)
-        yield first, look_again(inquiry, alone.fitted(), [found])
+    if alone is None:
+        return None
+    single = compared(look, [rival_of(beside.winner.proposal, alone, inquiry.base.deviance), *look.rivals])
+    if _is_all(single.winner, table):
+        return [], single
+    found = evolve(beside.winner, search=alone)
+    second = look_again(inquiry, alone.fitted(), [found])
+    return ([beside.led_by(found)], second) if _beats(second.winner, table) else None

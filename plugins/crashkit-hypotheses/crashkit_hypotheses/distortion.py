@@ -78,7 +78,7 @@ class MountingResonance(Hypothesis):
     def _forms(self, model: Model, sensor: Sensor, frequencies: Sequence[float]) -> list[Proposal]:
         mount = {
             "resonance_share": Parameter(0.0, 0.0, 1.0),
-            "resonance_frequency": Parameter(frequencies[0], 0.5 * LOWEST, 2.0 * HIGHEST),
+            "resonance_frequency": Parameter(frequencies[0], LOWEST, 2.0 * HIGHEST),
             "resonance_damping": Parameter(0.05, 5e-3, 0.7),
         }
         # One that is damped more does not ring: it delays, as a clock that is late does in one number.

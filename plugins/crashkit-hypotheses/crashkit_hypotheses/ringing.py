@@ -9,8 +9,8 @@ from scipy.signal import find_peaks, periodogram
 from crashkit.registry import load
 from crashkit_hypotheses.sensors import Sensor
 
-LOWEST, HIGHEST = 60.0, 5e3
-"""Hz; below, structures move; above, a mount is as good as rigid."""
+LOWEST, SLOW, HIGHEST = 30.0, 60.0, 5e3
+"""Hz; below the second, structures move, too; above the last, a mount is as good as rigid."""
 UNSEEN = (150.0, 500.0)
 """Hz, where nothing can be compared."""
 FEWEST = 8
@@ -18,16 +18,21 @@ FEWEST = 8
 
 
 def ringing_frequencies(sensor: Sensor, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> tuple[float, ...]:
-    """The two peaks that stand out most in the spectra of readings minus motion, Hz, over all recordings."""
+    """The peaks that stand out most in the spectra of readings minus motion, Hz, over all recordings: two, and a slow one."""
     spectra = [spectrum for spectrum in _spectra(sensor, motion, recordings) if len(spectrum[0]) > FEWEST]
     if not spectra:
         return UNSEEN
     frequency = spectra[0][0]
     density = np.mean([np.interp(frequency, *spectrum) for spectrum in spectra], axis=0)
-    excess = np.where((frequency > LOWEST) & (frequency < HIGHEST), density - _level(frequency, density), 0.0)
-    peaks, _ = find_peaks(excess)
-    highest = sorted(peaks, key=lambda peak: -excess[peak])[:2]
-    return tuple(float(frequency[peak]) for peak in highest) or UNSEEN
+    excess = density - _level(frequency, density)
+    quick, slow = (_highest(frequency, excess, band) for band in ((SLOW, HIGHEST), (LOWEST, SLOW)))
+    return (*(quick[:2] or UNSEEN), *slow[:1])
+
+
+def _highest(frequency: np.ndarray, excess: np.ndarray, band: tuple[float, float]) -> tuple[float, ...]:
+    """The peaks within a band, the highest first, Hz."""
+    peaks, _ = find_peaks(np.where((frequency > band[0]) & (frequency < band[1]), excess, 0.0))
+    return tuple(float(frequency[peak]) for peak in sorted(peaks, key=lambda peak: -excess[peak]))
 
 
 def _level(frequency: np.ndarray, density: np.ndarray) -> np.ndarray:
