@@ -15,10 +15,11 @@ from crashkit.diagnose.locate.aside import CLOCK, Suspect, late_clocks, on_time,
 from crashkit.diagnose.locate.consistency import by_run, check_instruments
 from crashkit.diagnose.name.contradicted import asked_first, named_nevertheless
 from crashkit.diagnose.name.explore import beside_reading, explored
-from crashkit.diagnose.name.follow import Discovery
-from crashkit.diagnose.name.forms import in_best_forms
+from crashkit.diagnose.name.follow import Discovery, followed
+from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look, look_again
+from crashkit.diagnose.name.rivals import CONCEALED
 from crashkit.diagnose.name.settle import settled
 from crashkit.diagnose.name.vanished import told_by_vanished
 from crashkit.model import Model
@@ -58,7 +59,7 @@ def _instruments_first(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery:
 def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | None:
     """What the instruments that agree say of the structure, and then what is wrong with the others; None if that fails.
 
-    If they say what all of them read, as of a body that turns, all are asked.
+    If they say what all of them read, as of a body that turns, all are asked of that.
     """
     workshop, given = inquiry.workshop, inquiry.given
     rest = workshop.first_misfit(given.model, without(given.recordings, set_aside)).with_prior(given.prior.std)
@@ -72,7 +73,7 @@ def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | Non
         return None
     told = Discovery.of(inquiry.base, search, tuple(findings))
     if any(map(_says_what_sensors_read, findings)):
-        return in_time(told, explored, inquiry)
+        return in_time(told, _read_by_all, inquiry, structure) or in_time(told, explored, inquiry)
     unbent, waiting = evolve(inquiry, given=given.with_values_of(structure.search.fitted())), set_aside
     while waiting:
         found, concerns = [look.leader for look in findings], partial(_concern, waiting)
@@ -86,6 +87,26 @@ def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | Non
         search = findings[-1].leader.search
         waiting = _still_waiting(waiting, look)
     return Discovery.of(inquiry.base, search, tuple(findings))
+
+
+def _read_by_all(inquiry: Inquiry, structure: Discovery) -> Discovery | None:
+    """What is found beside a body that turns, once all its sensors say so; None where they do not.
+
+    They are asked where those that agree have led the model's numbers: the fit of all of them without it is far from there.
+    """
+    turning = next(filter(_says_what_sensors_read, structure.findings))
+    others = [look for look in structure.findings if look is not turning]
+    without = inquiry.fit_with([look.leader for look in others], structure.search)
+    if without is None:
+        return None
+    forms = in_all_forms(inquiry, turning.leader, [look.leader for look in others], structure.search)
+    rivals = ranked_by_evidence(forms, without.deviance)
+    if not rivals or rivals[0].search.normalised > CONCEALED:
+        return None
+    findings = [*others, Look.of(rivals[:1], without.fitted(), len(turning.rivals))]
+    search = rivals[0].search
+    look = look_again(inquiry, search.fitted(), [one.leader for one in findings])
+    return followed(inquiry, findings, look)[0]
 
 
 def _still_waiting(waiting: Sequence[Suspect], look: Look) -> tuple[Suspect, ...]:

@@ -76,8 +76,7 @@ def in_all_forms(inquiry: Inquiry, rival: Rival, others: Sequence[Rival], search
     origin, found = without.misfit.with_values_of(search.fitted()), search.values
     proposed = propose_all(inquiry.workshop, origin, rival.proposal.physics)
     forms = [proposal for proposal in proposed if identity(proposal) == rival.identity]
-    is_told = rival.proposal.parameters[0] in found
-    if is_told and len(forms) < 2:
+    if len(forms) < 2 and all(path in found for form in forms for path in form.parameters):
         return []
     equipped = inquiry.workshop.equipped([form.model for form in forms])
     starts = [(form, {**form.null, **start}) for form in forms for start in _starts(form, rival.proposal, found)]
