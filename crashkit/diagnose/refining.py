@@ -48,7 +48,7 @@ def _unexplained(workshop: Workshop, misfit: Misfit) -> Search:
 
 
 def _is_worthless(findings: Sequence[Look], base: Misfit, final: Misfit) -> bool:
-    """Whether all samples together, and what was believed of the numbers, show less than the findings cost: then these explained
-    what thinning had left."""
+    """Whether all samples, and what was believed of the numbers, show less than the findings cost: then these explained what
+    thinning had left."""
     before, after = (misfit.deviance(misfit.residual(misfit.start())) for misfit in (base, final))
     return before - after < sum(price(look.leader.proposal, final) for look in findings)

@@ -111,7 +111,7 @@ def _standing_out(inquiry: Inquiry, look: Look, table: Rival) -> tuple[list[Look
     alone = inquiry.fit_with([beside.winner], beside.winner.search)
     if alone is None:
         return None
-    single = compared(look, [rival_of(beside.winner.proposal, alone, inquiry.base.deviance), *look.rivals])
+    single = compared(look, [rival_of(beside.winner.proposal, alone, table.without), *look.rivals])
     if _is_all(single.winner, table):
         return [], single
     found = evolve(beside.winner, search=alone)

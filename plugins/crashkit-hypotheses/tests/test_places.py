@@ -247,16 +247,18 @@ def test_what_holds_an_obstacle_is_not_felt_by_a_load_cell_on_it(propose):
     assert all(p.model.joints[-1].support for p in held[1:])
 
 
-def test_the_search_for_a_resonance_begins_where_the_sensor_rings(propose, runs):
+@pytest.mark.parametrize(("tone_frequency", "place"), [(110.0, 0), (45.0, -1)])
+def test_the_search_for_a_resonance_begins_where_the_sensor_rings(propose, runs, tone_frequency, place):
+    """A slow one comes last: where structures move, there may be a peak anyway."""
     recordings = [toys.recording(run) for run in runs]
     for recording in recordings:
         group = recording["accelerometer"].to_dataset(inherit=False)
-        tone = 5.0 * np.sin(2.0 * np.pi * 110.0 * group["time"]) * np.exp(-3.0 * group["time"])
+        tone = 5.0 * np.sin(2.0 * np.pi * tone_frequency * group["time"]) * np.exp(-3.0 * group["time"])
         group["acceleration"] = group["acceleration"] + tone * (group["sensor"] == "rear_sensor")
         recording["accelerometer"] = xr.DataTree(group)
     ringing = next(p for p in propose("mounting_resonance", None, runs, recordings) if p.location["sensor"] == "rear_sensor")
     found = [start["instrument.accelerometer.rear_sensor.resonance_frequency"] for start in ringing.starts]
-    assert found[0] == pytest.approx(110.0, abs=2.0)
+    assert found[place] == pytest.approx(tone_frequency, abs=2.0)
 
 
 def test_an_error_that_is_identified_already_is_not_accused(propose, model):

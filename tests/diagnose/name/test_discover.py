@@ -1,6 +1,8 @@
 """Which instruments wait while the structure is questioned."""
 
+import numpy as np
 import pytest
+import xarray as xr
 
 from crashkit.diagnose.fitting.in_time import OutOfTimeError
 from crashkit.diagnose.fitting.search import begin
@@ -44,6 +46,52 @@ def test_a_body_that_turns_is_told_where_there_is_no_time_to_ask_all(beside):
         raise OutOfTimeError
 
     assert [look.leader.proposal.physics for look in beside(too_late).findings] == ["rotation"]
+
+
+@pytest.fixture
+def turned(workshop, model, misfit, recorded, claim):
+    """What film and accelerometer record of a body that turns."""
+    still = misfit(model, run=recorded(model))
+    sizes = {"rocking_share": 0.5, "rocking_frequency": 8.0, "rocking_damping": 0.1}
+    turning = claim(still, "rotation", "rocking", **sizes).search.misfit
+    read, plain = (one.predictor.predict_at(one.parameters(one.start())) for one in (turning, still))
+    recording = still.recordings["run"]
+    for group, after, before in zip(still.groups, read, plain, strict=True):
+        instrument = recording.children[group.name].to_dataset(inherit=False)
+        quantity = group.observer.quantity
+        change = np.nan_to_num(after.samples - before.samples).reshape(instrument[quantity].shape)
+        recording = recording.assign({group.name: xr.DataTree(instrument.assign({quantity: instrument[quantity] + change}))})
+    return recording
+
+
+@pytest.fixture
+def told_by_all(turned, workshop, model, misfit, claim, inquiry):
+    """What all sensors say of a body that its film says to turn, with so much added to what the accelerometer reads."""
+
+    def tell(added):
+        felt = turned["accelerometer"].to_dataset(inherit=False)
+        beats = added * np.sin(300.0 * felt["time"]) * np.sign(np.sin(77.0 * felt["time"]))
+        spoiled = turned.assign({"accelerometer": xr.DataTree(felt.assign(acceleration=felt["acceleration"] + beats))})
+        film = misfit(model, run=turned.drop_nodes("accelerometer"))
+        base = begin(workshop.identifier, misfit(model, run=spoiled)).advance(20)
+        found = claim(film, "rotation", "rocking", rocking_share=0.5, rocking_frequency=8.0, rocking_damping=0.1)
+        structure = Discovery.of(begin(workshop.identifier, film), found.search, (Look.of([found], film),))
+        asked = inquiry(base, hypotheses={"rotation": workshop.hypotheses["rotation"]})
+        return base, found, discover._read_by_all(asked, structure)
+
+    return tell
+
+
+def test_a_body_that_turns_is_told_where_all_its_sensors_say_so(told_by_all):
+    base, found, told = told_by_all(0.0)
+    assert base.normalised > 2.0
+    assert told.search.normalised < 1.1
+    assert [look.leader.identity for look in told.findings] == [found.identity]
+    assert set(found.proposal.parameters) < set(told.findings[0].leader.proposal.parameters)
+
+
+def test_where_they_do_not_everything_is_asked(told_by_all):
+    assert told_by_all(20.0)[-1] is None
 
 
 @pytest.fixture

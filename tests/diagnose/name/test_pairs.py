@@ -15,8 +15,12 @@ from crashkit.protocols import Proposal
 
 def rival(physics, deviance, normalised=1.5):
     search = SimpleNamespace(deviance=deviance, normalised=normalised, excess=normalised**2 - 1.0, fitted=lambda: None)
-    drop = 5000.0 - deviance
-    return Rival(Proposal(physics, "", {"joint": "front"}, None, ("a",), {}), search, drop, 0.5 * drop)
+    return weighed(Proposal(physics, "", {"joint": "front"}, None, ("a",), {}), search, 5000.0)
+
+
+def weighed(proposal, search, reference):
+    drop = reference - search.deviance
+    return Rival(proposal, search, drop, 0.5 * drop)
 
 
 def won_by(*rivals):
@@ -39,6 +43,7 @@ def named(monkeypatch, inquiry):
         monkeypatch.setattr(imitate, "imitating", lambda *_: imitations)
         monkeypatch.setattr(imitate, "ranked_by_evidence", lambda found, reference: [rival(*one) for one in found])
         monkeypatch.setattr(pairs, "look_again", lambda *_: next(looks))
+        monkeypatch.setattr(pairs, "rival_of", weighed)
         monkeypatch.setattr(pairs, "settled", lambda inquiry, look, winner, found: look)
         monkeypatch.setattr(pairs, "in_best_forms", lambda inquiry, findings, search: (better(findings), search))
         monkeypatch.setattr(Inquiry, "fit_with", lambda inquiry, rivals, last: rival("alone", alone).search)
@@ -62,6 +67,15 @@ def test_a_cause_that_stands_out_only_beside_the_table(named):
     look = won_by(TABLE, rival("carried_load", 2000.0))
     later = [NOTHING, won_by(rival("ground_friction", 600.0)), won_by(rival("progressive_folding", 500.0))]
     assert named(look, later) == (["ground_friction"], "progressive_folding")
+
+
+@pytest.mark.parametrize(
+    ("alone", "is_all", "told"), [(990.0, True, "gain_error"), (990.0, False, UNKNOWN), (3000.0, True, UNKNOWN)]
+)
+def test_a_cause_that_stands_out_beside_the_table_may_be_all_there_is(named, alone, is_all, told):
+    """The model's own numbers had hidden it, and the table freed them. Alone it leaves so much, and nothing beside it."""
+    look, later = won_by(TABLE, rival("carried_load", 2000.0)), [NOTHING, won_by(rival("gain_error", 600.0)), NOTHING]
+    assert named(look, later, alone=alone, is_all=is_all) == ([], told)
 
 
 @pytest.mark.parametrize(
