@@ -3,7 +3,7 @@
 from attrs import evolve
 
 from crashkit.diagnose.claims import accuses_instrument
-from crashkit.diagnose.fitting.evidence import FLOOR, Rival, is_unknown
+from crashkit.diagnose.fitting.evidence import Rival, is_at_noise, is_unknown
 from crashkit.diagnose.fitting.search import STEPS, begin
 from crashkit.diagnose.fitting.sharpen import in_the_light_of, sharpened
 from crashkit.diagnose.name.inquiry import Inquiry
@@ -32,7 +32,7 @@ def check_pace(inquiry: Inquiry, found: Rival) -> None:
     left = found.search
     if accuses_instrument(found.proposal):
         check_rate(inquiry, found)
-    if not inquiry.unthinned or is_unknown(found) or left.normalised < FLOOR:
+    if not inquiry.unthinned or is_unknown(found) or is_at_noise(left):
         return
     equipped = inquiry.workshop.equipped([left.misfit.model])
     finer = sharpened(equipped, inquiry.given.model, inquiry.unthinned, left)
