@@ -65,25 +65,29 @@ def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | Non
     rest = workshop.first_misfit(given.model, without(given.recordings, set_aside)).with_prior(given.prior.std)
     if not rest.groups:
         return None
-    believed = Inquiry(workshop, rest, reidentify(workshop, rest), inquiry.progress)
-    structure = explored(believed)
-    findings = list(structure.findings)
-    search = inquiry.fit_with([look.leader for look in findings], structure.search)
+    structure = explored(Inquiry(workshop, rest, reidentify(workshop, rest), inquiry.progress))
+    search = inquiry.fit_with([look.leader for look in structure.findings], structure.search)
     if search is None:
         return None
-    told = Discovery.of(inquiry.base, search, tuple(findings))
-    if any(map(_says_what_sensors_read, findings)):
+    told = Discovery.of(inquiry.base, search, structure.findings)
+    if any(map(_says_what_sensors_read, structure.findings)):
         return in_time(told, _read_by_all, inquiry, structure) or in_time(told, explored, inquiry)
-    unbent, waiting = evolve(inquiry, given=given.with_values_of(structure.search.fitted())), set_aside
+    unbent = evolve(inquiry, given=given.with_values_of(structure.search.fitted()))
+    return _with_what_is_wrong(unbent, told, set_aside) or in_time(told, explored, inquiry)
+
+
+def _with_what_is_wrong(inquiry: Inquiry, told: Discovery, waiting: tuple[Suspect, ...]) -> Discovery | None:
+    """What was told, and what is wrong with the sensors that wait; None where nothing is, and they still contradict that."""
+    findings, search = list(told.findings), told.search
     while waiting:
         found, concerns = [look.leader for look in findings], partial(_concern, waiting)
-        look = in_time(None, look_again, unbent, search.fitted(), found, concerns)
+        look = in_time(None, look_again, inquiry, search.fitted(), found, concerns)
         if look is None or (look.winner is None and search.normalised <= FLOOR):
             break
         if look.winner is None:
-            return in_time(told, explored, inquiry)
+            return None
         is_told = any(one.told and one.concerns(look.winner.proposal, look.before.model) for one in waiting)
-        findings.append(look if is_told else in_time(look, settled, unbent, look, look.winner, found))
+        findings.append(look if is_told else in_time(look, settled, inquiry, look, look.winner, found))
         search = findings[-1].leader.search
         waiting = _still_waiting(waiting, look)
     return Discovery.of(inquiry.base, search, tuple(findings))
