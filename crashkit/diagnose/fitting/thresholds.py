@@ -14,6 +14,9 @@ from crashkit.model import Model
 
 REACHED = (0.9, 0.7, 0.5)
 """Of the largest that its joint comes to: where a threshold is begun again."""
+PLAINLY = 1e-3
+"""Share by which a threshold must lower what is left for others to be begun again from there: some end a little lower every
+time, without end."""
 OF = {"m": "deformation", "N": "force"}
 """What a threshold with these units is one of."""
 
@@ -26,7 +29,8 @@ def wakened(workshop: Workshop, search: Search) -> Search:
     if not math.isfinite(search.state.cost):
         return search
     best = begun_again(search, _lower(workshop, search))
-    return search if best is search else wakened(workshop, best)
+    is_plain = best.state.cost < (1.0 - PLAINLY) * search.state.cost
+    return wakened(workshop, best) if is_plain else best
 
 
 def awake(workshop: Workshop, given: Misfit, fitted: Search) -> Misfit:

@@ -1,7 +1,9 @@
 """Thresholds that a search does not reach."""
 
 import pytest
+from attrs import evolve
 
+from crashkit.diagnose.fitting import thresholds
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.fitting.thresholds import awake, wakened
 
@@ -32,6 +34,22 @@ def test_a_threshold_that_is_never_reached_is_begun_again_where_it_is(workshop, 
 def test_a_fit_that_reaches_all_its_thresholds_stays(workshop, model, fit):
     here = fit(model.free_parameters()[THRESHOLD].value)
     assert wakened(workshop, here) is here
+
+
+@pytest.mark.parametrize(("share", "times"), [(0.9999, 1), (0.5, 8)])
+def test_waking_ends_where_it_hardly_gains(fit, workshop, monkeypatch, share, times):
+    """Each time a little less was left, until the program ended in an error."""
+    begun = []
+
+    def a_little_lower(search, starts):
+        begun.append(search)
+        lower = search.state.cost * share if len(begun) < 8 else search.state.cost
+        return evolve(search, state=evolve(search.state, cost=lower))
+
+    monkeypatch.setattr(thresholds, "begun_again", a_little_lower)
+    found = wakened(workshop, fit(5.0))
+    assert len(begun) == times
+    assert found.state.cost == pytest.approx(begun[-1].state.cost, rel=1e-3)
 
 
 def test_where_the_given_threshold_is_asleep_that_of_a_fit_is_taken(model, misfit, recorded, workshop):
