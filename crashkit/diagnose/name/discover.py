@@ -100,17 +100,17 @@ def _read_by_all(inquiry: Inquiry, structure: Discovery) -> Discovery | None:
     """
     turning = next(filter(_says_what_sensors_read, structure.findings))
     others = [look for look in structure.findings if look is not turning]
-    without = inquiry.fit_with([look.leader for look in others], structure.search)
-    if without is None:
+    rest = inquiry.fit_with([look.leader for look in others], structure.search)
+    if rest is None:
         return None
     forms = in_all_forms(inquiry, turning.leader, [look.leader for look in others], structure.search)
-    rivals = ranked_by_evidence(forms, without.deviance)
+    rivals = ranked_by_evidence(forms, rest.deviance)
     if not rivals or rivals[0].search.normalised > CONCEALED:
         return None
-    findings = [*others, Look.of(rivals[:1], without.fitted(), len(turning.rivals))]
+    findings = [*others, Look.of(rivals[:1], rest.fitted(), len(turning.rivals))]
     search = rivals[0].search
-    look = look_again(inquiry, search.fitted(), [one.leader for one in findings])
-    return followed(inquiry, findings, look)[0]
+    look = in_time(None, look_again, inquiry, search.fitted(), [one.leader for one in findings])
+    return followed(inquiry, findings, look)[0] if look else Discovery.of(inquiry.base, search, tuple(findings))
 
 
 def _still_waiting(waiting: Sequence[Suspect], look: Look) -> tuple[Suspect, ...]:

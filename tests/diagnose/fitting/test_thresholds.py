@@ -38,7 +38,7 @@ def test_a_fit_that_reaches_all_its_thresholds_stays(workshop, model, fit):
 
 @pytest.mark.parametrize(("share", "times"), [(0.9999, 1), (0.5, 8)])
 def test_waking_ends_where_it_hardly_gains(fit, workshop, monkeypatch, share, times):
-    """Each time a little less was left, until the program ended in an error."""
+    """A load on a tie that no run crushes left a little less each time, without end."""
     begun = []
 
     def a_little_lower(search, starts):

@@ -90,6 +90,16 @@ def test_a_body_that_turns_is_told_where_all_its_sensors_say_so(told_by_all):
     assert set(found.proposal.parameters) < set(told.findings[0].leader.proposal.parameters)
 
 
+def test_it_is_told_where_there_is_no_time_to_look_for_more(told_by_all, monkeypatch):
+    def too_late(*_):
+        raise OutOfTimeError
+
+    monkeypatch.setattr(discover, "look_again", too_late)
+    told = told_by_all(0.0)[-1]
+    assert told.search.normalised < 1.1
+    assert [look.leader.proposal.physics for look in told.findings] == ["rotation"]
+
+
 def test_where_they_do_not_everything_is_asked(told_by_all):
     assert told_by_all(20.0)[-1] is None
 
