@@ -3,12 +3,10 @@
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 
-from attrs import evolve
-
-from crashkit.diagnose.claims import identity, proposed_again
-from crashkit.diagnose.fitting.couples import Couple
+from crashkit.diagnose.claims import proposed_again
+from crashkit.diagnose.fitting.couples import Couple, each_once, in_heats
 from crashkit.diagnose.fitting.evidence import Rival, is_unknown
-from crashkit.diagnose.fitting.search import advance_all, begin
+from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look
 from crashkit.misfit import Misfit
@@ -23,12 +21,7 @@ def coupled_leaders(inquiry: Inquiry, look: Look) -> list[Couple]:
     """The couples of the look's leading known causes, the most evident first."""
     leaders = [rival for rival in look.rivals if not is_unknown(rival)][:LEADERS]
     inquiry.progress(f"fitting {len(leaders)} causes beside each other", 0.0)
-    couples = list(_begun(inquiry, leaders))
-    for size, steps in HEATS:
-        ahead = _ranked(couples)[:size]
-        searches = advance_all([couple.search for couple in ahead], steps)
-        couples = [evolve(couple, search=search) for couple, search in zip(ahead, searches, strict=True)]
-    return _ranked(couples)
+    return each_once(in_heats(list(_begun(inquiry, leaders)), HEATS))
 
 
 def _begun(inquiry: Inquiry, leaders: Sequence[Rival]) -> Iterator[Couple]:
@@ -46,11 +39,3 @@ def _halfway(misfit: Misfit, first: Mapping[str, float], second: Mapping[str, fl
     """Between where one cause alone has driven the model's numbers and where the other has: either made do for both."""
     ends = [misfit.start_at({**one, **other}) for one, other in ((first, second), (second, first))]
     return misfit.with_values(misfit.values(0.5 * (ends[0] + ends[1])))
-
-
-def _ranked(couples: Sequence[Couple]) -> list[Couple]:
-    """Each two claims once, the most evident first."""
-    best: dict[frozenset[tuple[str, str]], Couple] = {}
-    for couple in sorted(couples, key=lambda couple: couple.cost):
-        best.setdefault(frozenset((identity(couple.first), identity(couple.second))), couple)
-    return list(best.values())

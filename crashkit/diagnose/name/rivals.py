@@ -164,8 +164,9 @@ def _from_given(
     known = [search for proposal, search in found if proposal.physics != UNKNOWN]
     if any(search.normalised <= FLOOR and not is_strained(search) for search in known):
         return found, []
-    couples = coupled(workshop, given, proposals, ends, progress)
-    if couples and couples[0].search.excess < COUPLED * min((one.excess for _, one in found), default=np.inf):
+    least = min((search.excess for _, search in found), default=np.inf)
+    couples = coupled(workshop, given, proposals, ends, least, progress)
+    if couples and couples[0].search.excess < COUPLED * least:
         return found, couples
     rest = [proposal for proposal, end in zip(proposals, ends, strict=True) if end is None]
     rough = promising(scores(workshop, given.coarse, rest, np.inf, progress), STARTS, lambda _: LEAST_PROMISE)

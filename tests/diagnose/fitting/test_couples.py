@@ -6,8 +6,9 @@ from attrs import evolve
 
 from crashkit.diagnose import name
 from crashkit.diagnose.claims import identity, propose_all
-from crashkit.diagnose.fitting.couples import Couple, Led, _left_beside, _promises, coupled
+from crashkit.diagnose.fitting.couples import Couple, coupled
 from crashkit.diagnose.fitting.evidence import Rival
+from crashkit.diagnose.fitting.promises import Led, left_beside, promises_beside
 from crashkit.diagnose.fitting.regress import opened
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name.look import Look
@@ -44,7 +45,7 @@ def couples(workshop, given):
     physics = ("fracture", "bottoming", "viscous_damping", "peak_load", "joint_friction", "rate_dependence", "bias")
     proposals = [p for p in propose_all(workshop, given) if p.physics in physics and not p.refined]
     equipped = workshop.equipped([p.model for p in proposals])
-    return coupled(equipped, given, proposals, opened(equipped, given, proposals, silent), silent)
+    return coupled(equipped, given, proposals, opened(equipped, given, proposals, silent), np.inf, silent)
 
 
 def test_two_causes_are_found_together(couples):
@@ -115,7 +116,7 @@ def test_what_two_claims_leave_is_the_least_squares_of_all_their_numbers():
     # The last column is all that a claim changes: the leader's residual already holds that.
     together = np.column_stack([shared, first[:, :-1], second])
     left = residual - together @ np.linalg.lstsq(together, residual, rcond=None)[0]
-    ((promised, *claims),) = _promises(leader, [leader, other])
+    ((promised, *claims),) = promises_beside(leader, [leader, other])
     assert claims == [leader, other]
     assert promised - leader.price - other.price == pytest.approx(0.5 * left @ left, rel=1e-9)
 
@@ -123,7 +124,7 @@ def test_what_two_claims_leave_is_the_least_squares_of_all_their_numbers():
 def test_numbers_that_change_nothing_take_nothing_up():
     basis = np.linalg.qr(np.arange(12.0).reshape(6, 2) ** 2)[0]
     left = np.ones(6) - basis @ (basis.T @ np.ones(6))
-    assert _left_beside(left, basis, np.zeros((6, 2))) == pytest.approx(0.5 * left @ left)
+    assert left_beside(left, basis, np.zeros((6, 2))) == pytest.approx(0.5 * left @ left)
 
 
 def test_a_claim_that_cannot_be_placed_alone_makes_no_two_findings(workshop, inquiry, given, couples):
