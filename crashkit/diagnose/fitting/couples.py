@@ -70,8 +70,8 @@ def coupled(
     tried = [(first, second) for _, first, second in promises(claims, TRIED)]
     couples = _simulated(workshop, _begun(workshop, given, tried), progress)
     if couples and couples[0].search.excess < HOPEFUL * least and not explains(couples[0].search):
-        progress(f"fitting {LEADING} couples in other forms", 0.0)
-        couples = [*couples, *_in_other_forms(workshop, given, couples[:LEADING], claims)]
+        forms = [two for couple in couples[:LEADING] for two in _with_other_forms(couple, claims)]
+        couples = [*couples, *_simulated(workshop, _begun(workshop, given, forms), progress)]
     return each_once(couples)
 
 
@@ -160,24 +160,11 @@ def _ahead(workshop: Workshop, begun: Sequence[_Begun], count: int) -> Sequence[
     return [near[one] for one in order[:count]]
 
 
-def _in_other_forms(workshop: Workshop, given: Misfit, couples: Sequence[Couple], claims: Sequence[Led]) -> list[Couple]:
-    """The couples with one of their claims in another form: of one that is off, the other claim has to make up for that."""
-    tried = [two for couple in couples for two in _with_other_forms(couple, claims)]
-    begun = _begun(workshop, given, tried)
-    searches = advance_all(begin_all(workshop.identifier, [one.misfit for one in begun]), SCOUTING)
-    fitted = [Couple(one.first, one.second, search) for one, search in zip(begun, searches, strict=True)]
-    return in_heats(fitted, HEATS)
-
-
 def _with_other_forms(couple: Couple, claims: Sequence[Led]) -> list[tuple[Led, Led]]:
-    """Every form of the one claim with the other as it is."""
+    """Every other form of the one claim with the other as it is: of a form that is off, the other has to make up for that."""
     firsts, seconds = (
         [one for one in claims if identity(one.proposal) == identity(claim)] for claim in (couple.first, couple.second)
     )
-    one_first = [one for one in firsts if one.proposal.form == couple.first.form]
-    one_second = [one for one in seconds if one.proposal.form == couple.second.form]
-    others = [one for one in seconds if one not in one_second]
-    return [
-        *((first, second) for first in firsts if first not in one_first for second in one_second),
-        *((first, second) for first in one_first for second in others),
-    ]
+    forms = couple.first.form, couple.second.form
+    pairs = [(first, second) for first in firsts for second in seconds]
+    return [(one, two) for one, two in pairs if (one.proposal.form == forms[0]) != (two.proposal.form == forms[1])]

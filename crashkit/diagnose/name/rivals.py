@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 from attrs import frozen
 
-from crashkit.diagnose.claims import Progress, Start, identity, is_same
+from crashkit.diagnose.claims import Progress, Start, first_of_each, identity, is_same
 from crashkit.diagnose.fitting.candidates import Candidate
 from crashkit.diagnose.fitting.contest import GROWING, heats, promising, scores, scouted
 from crashkit.diagnose.fitting.couples import Couple, coupled
@@ -20,8 +20,9 @@ from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
 
-STARTS = 2
-"""How many starts of each form of each claim are fitted from the given values; one is from the re-identified ones."""
+STARTS = 3
+"""How many starts of each form of a claim about a sensor are fitted, which is soon done: of several frequencies the best is
+hardly told from derivatives. One is of a claim about the structure."""
 HEATS = ((40, 5), (12, 8), (6, 40))
 """How many of them enter each heat of fits, and how many steps each gets there. Those from the given values have heats of
 their own: they begin far above the others, and need more steps to show what they are worth."""
@@ -90,7 +91,7 @@ def nearest_rivals(
     plain = [proposal for proposal in proposals if not proposal.refined]
     scored = scores(workshop, base, plain, float(residual @ residual), progress)
     at_noise = normalised < FLOOR and not strained
-    chosen = promising(scored, 1, lambda proposal: NOISE_PROMISE * least(proposal) if at_noise else LEAST_PROMISE)
+    chosen = promising(scored, STARTS, lambda proposal: NOISE_PROMISE * least(proposal) if at_noise else LEAST_PROMISE)
     ahead = _ahead(workshop, base, chosen, progress)
     return ranked_by_evidence(heats(ahead, HEATS, progress), base.deviance(residual)), _limits(scored)
 
@@ -99,7 +100,7 @@ def _ahead(workshop: Workshop, base: Misfit, chosen: Sequence[Start], progress: 
     """Short fits of the claims about the structure, and of those about a sensor that may explain half as much as the best."""
     astray, most = _astray(workshop, base), HEATS[0][0]
     structure, readings = ([one for one in chosen if (sensor_of(one[0]) is not None) is read] for read in (False, True))
-    ahead = scouted(workshop, base, structure, (1.0,), most, astray, progress)
+    ahead = scouted(workshop, base, first_of_each(structure, 1), (1.0,), most, astray, progress)
     cost = float(begin(workshop.identifier, base).state.cost)
     best = min((search.state.cost for _, search in ahead), default=cost)
     further = that_may_reach(workshop.identifier, base, readings, cost - SENSOR_SHARE * (cost - best))

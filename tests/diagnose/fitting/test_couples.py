@@ -6,16 +6,16 @@ from attrs import evolve
 
 from crashkit.diagnose import name
 from crashkit.diagnose.claims import identity, propose_all
-from crashkit.diagnose.fitting.couples import Couple, coupled
+from crashkit.diagnose.fitting import couples as of_couples
+from crashkit.diagnose.fitting.couples import Couple, coupled, each_once
 from crashkit.diagnose.fitting.evidence import Rival
-from crashkit.diagnose.fitting.promises import Led, left_beside, promises_beside
+from crashkit.diagnose.fitting.promises import led
 from crashkit.diagnose.fitting.regress import opened
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.name.pairs import both
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_factor, with_joint
-from crashkit.protocols import Proposal
 
 TEAR = {"softening_deformation": 0.2, "softening_length": 0.15, "loss": 0.5}
 DASHPOT = {"damping": 6e3, "clearance": 0.0, "engagement": 1e-3}
@@ -40,12 +40,27 @@ def given(model, misfit, recorded):
 
 
 @pytest.fixture(scope="module")
-def couples(workshop, given):
-    """All couples of some claims."""
+def proposals(workshop, given):
+    """Some claims."""
     physics = ("fracture", "bottoming", "viscous_damping", "peak_load", "joint_friction", "rate_dependence", "bias")
-    proposals = [p for p in propose_all(workshop, given) if p.physics in physics and not p.refined]
-    equipped = workshop.equipped([p.model for p in proposals])
-    return coupled(equipped, given, proposals, opened(equipped, given, proposals, silent), np.inf, silent)
+    return [p for p in propose_all(workshop, given) if p.physics in physics and not p.refined]
+
+
+@pytest.fixture(scope="module")
+def equipped(workshop, proposals):
+    return workshop.equipped([p.model for p in proposals])
+
+
+@pytest.fixture(scope="module")
+def ends(equipped, given, proposals):
+    """Where short regressions lead them."""
+    return opened(equipped, given, proposals, silent)
+
+
+@pytest.fixture(scope="module")
+def couples(equipped, given, proposals, ends):
+    """All couples of these claims."""
+    return coupled(equipped, given, proposals, ends, np.inf, silent)
 
 
 def test_two_causes_are_found_together(couples):
@@ -103,32 +118,46 @@ def test_a_second_claim_that_does_not_convince_makes_no_two_findings(workshop, i
     assert both(inquiry(base), look) is None
 
 
-def claim(physics, residual, shared, own):
-    proposal = Proposal(physics, "", {"joint": "first"}, None, tuple("ab"[: own.shape[1] - 1]), {})
-    return Led(proposal, {}, residual, shared, own)
-
-
-def test_what_two_claims_leave_is_the_least_squares_of_all_their_numbers():
-    random = np.random.default_rng(1)
-    shared, first, second = (random.normal(size=(60, count)) for count in (3, 2, 3))
-    residual = random.normal(size=60)
-    leader, other = claim("one", residual, shared, first), claim("other", random.normal(size=60), shared, second)
-    # The last column is all that a claim changes: the leader's residual already holds that.
-    together = np.column_stack([shared, first[:, :-1], second])
-    left = residual - together @ np.linalg.lstsq(together, residual, rcond=None)[0]
-    ((promised, *claims),) = promises_beside(leader, [leader, other])
-    assert claims == [leader, other]
-    assert promised - leader.price - other.price == pytest.approx(0.5 * left @ left, rel=1e-9)
-
-
-def test_numbers_that_change_nothing_take_nothing_up():
-    basis = np.linalg.qr(np.arange(12.0).reshape(6, 2) ** 2)[0]
-    left = np.ones(6) - basis @ (basis.T @ np.ones(6))
-    assert left_beside(left, basis, np.zeros((6, 2))) == pytest.approx(0.5 * left @ left)
-
-
 def test_a_claim_that_cannot_be_placed_alone_makes_no_two_findings(workshop, inquiry, given, couples):
     base = begin(workshop.identifier, given)
     nowhere = evolve(couples[0].second, form="of another world")
     look = Look((), (), 1.0, given, couples=(Couple(couples[0].first, nowhere, couples[0].search),))
     assert both(inquiry(base), look) is None
+
+
+def test_of_two_claims_in_two_forms_the_better_is_kept(couples):
+    best, other = couples[0], evolve(couples[0], search=couples[1].search)
+    swapped = evolve(other, first=best.second, second=best.first)
+    assert each_once([swapped, best, other]) == [best]
+
+
+def test_a_claim_in_a_form_that_is_off_is_found_in_the_right_one(equipped, given, proposals, ends, couples):
+    """Of two claims the equations may favour one in a form beside which the recordings contradict them."""
+    known = [(p, end) for p, end in zip(proposals, ends, strict=True) if end is not None]
+    claims = led(equipped, given, known)
+
+    def in_other_forms(couple):
+        return of_couples._simulated(
+            equipped, of_couples._begun(equipped, given, of_couples._with_other_forms(couple, claims)), silent
+        )
+
+    wrong = in_other_forms(couples[0])[-1]
+    assert wrong.search.normalised > 1.1
+    assert in_other_forms(wrong)[0].search.normalised == pytest.approx(1.0, abs=0.05)
+
+
+def begun(search, left):
+    """A couple that the equations have led where a search stands, leaving so much of them."""
+    return of_couples._Begun(None, None, search.fitted(), left, 1.0)
+
+
+def test_simulations_choose_among_those_that_the_equations_hardly_tell_apart(equipped, couples):
+    best, other = couples[0].search, couples[-1].search
+    right, wrong, hopeless = begun(best, 110.0), begun(other, 100.0), begun(best, 500.0)
+    assert of_couples._ahead(equipped, [wrong, right, hopeless], 1) == [right]
+
+
+def test_nothing_is_simulated_where_the_equations_tell_couples_apart(equipped, couples, monkeypatch):
+    monkeypatch.setattr(of_couples, "advance_all", None)
+    first, second = begun(couples[-1].search, 100.0), begun(couples[0].search, 200.0)
+    assert of_couples._ahead(equipped, [first, second], 1) == [first]
