@@ -41,9 +41,16 @@ def test_the_cause_that_an_estimate_points_to_is_found(asked):
     assert {rival.identity for rival in look.rivals} <= {rival.identity for rival in found.rivals}
 
 
-def test_nothing_is_asked_where_the_known_cause_leaves_much(asked, monkeypatch):
-    """Its form may be off, or another cause is missing."""
+def test_where_the_known_cause_leaves_much_an_estimate_points_that_leaves_next_to_nothing(asked, monkeypatch):
     monkeypatch.setattr(pointed, "CONCEALED", 1.0)
+    inquiry, look = asked
+    assert with_causes_pointed_to(inquiry, look).leader.identity == GAP
+
+
+def test_nothing_is_asked_where_both_leave_much(asked, monkeypatch):
+    """The known cause may be in a form that is off, or another is missing."""
+    monkeypatch.setattr(pointed, "CONCEALED", 1.0)
+    monkeypatch.setattr(pointed, "FAR_LESS", -1.0)
     inquiry, look = asked
     assert with_causes_pointed_to(inquiry, look) is look
 
