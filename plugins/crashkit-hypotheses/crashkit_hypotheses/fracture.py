@@ -28,8 +28,8 @@ FIRST, STEPS = (0.1, 0.3, 0.5), (0.25, 0.4)
 
 
 class Fracture(Hypothesis):
-    """F = F_law (1 - loss) for good: beyond a compression, at once, over a length or in two steps, or beyond an extension; or
-    only the loading curve loses a force, and unloading is as steep as before.
+    """F = F_law (1 - loss) for good: beyond a compression, at once, over a length, smoothly or in two steps, or beyond an
+    extension; or only the loading curve loses a force, and unloading is as steep as before.
 
     A member whose force rises as it is deformed breaks at a force where it breaks at a deformation; the two are one form.
     """
@@ -69,7 +69,23 @@ class Fracture(Hypothesis):
         once = multiplied(model, joint, Effect(self.physics, "compression", "softening", softening, "loss", starts))
         twice = multiplied(model, joint, Effect(self.physics, "in two steps", "stepwise_softening", stepwise, "loss", steps))
         nothing = {path: 0.0 for path in twice.parameters if path.endswith("loss")}
-        return [once, evolve(twice, null=nothing, refined=True), *self._of_its_curve(model, joint, softening, starts, force)]
+        return [
+            once,
+            self._smooth(model, joint, reached, shortest),
+            evolve(twice, null=nothing, refined=True),
+            *self._of_its_curve(model, joint, softening, starts, force),
+        ]
+
+    def _smooth(self, model: Model, joint: Joint, reached: float, shortest: float) -> Proposal:
+        """Half as long each way as a loss over a length is at first."""
+        smooth = {
+            "loss": LOSS,
+            "softening_middle": Parameter(0.0, 0.0, 1.5 * reached),
+            "softening_spread": Parameter(0.05 * reached, min(0.5 * shortest, 0.05 * reached), reached),
+        }
+        starts = grid(softening_middle=[share * reached for share in SHARES[1:]])
+        smoothly = Effect(self.physics, "smoothly", "smooth_softening", smooth, "loss", starts)
+        return evolve(multiplied(model, joint, smoothly), refined=True)
 
     def _of_its_curve(
         self,

@@ -335,6 +335,11 @@ def belted_in(model):
     return with_joint(model, Joint("belt", model.joint("second").bodies, "yielding_strap", belt))
 
 
+def ripping(model):
+    smooth = fixed(softening_middle=0.8, softening_spread=0.1, loss=0.5)
+    return with_factor(model, "first", "smooth_softening", smooth)
+
+
 def unzipped(model):
     steps = fixed(softening_deformation=0.5, softening_length=0.1, loss=0.3, step_way=0.7, second_loss=0.3)
     return with_factor(model, "first", "stepwise_softening", steps)
@@ -608,6 +613,10 @@ CASES = {
     stiffening: (("bottoming", "exponential", {"joint": "first"}), {}),
     curving: (("bottoming", "power", {"joint": "first"}), {"stop_deformation": 0.4, "exponent": 3.0}),
     belted_in: (("tension", "strap, yielding", {"joint": "second"}), {"yield_force": 5e3, "corner": 2.0}),
+    ripping: (
+        ("fracture", "smoothly", {"joint": "first"}),
+        {"loss": 0.5, "softening_middle": 0.8, "softening_spread": 0.1},
+    ),
     unzipped: (
         ("fracture", "in two steps", {"joint": "first"}),
         {"loss": 0.3, "second_loss": 0.3, "softening_deformation": 0.5, "step_way": 0.7},

@@ -26,6 +26,23 @@ class Softening(SpringLaw):
         return 1.0 - loss * min(1.0, max(0.0, d_max - softening_deformation) / softening_length)
 
 
+class SmoothSoftening(SpringLaw):
+    """A member that tears open smoothly: 1 - loss (1 + tanh((d_max - softening_middle) / softening_spread)) / 2."""
+
+    name = "smooth_softening"
+    unit = "1"
+    parameters = (
+        ParameterSpec("softening_middle", "m", "largest deformation at which half of the share is lost", lower=0.0),
+        ParameterSpec("softening_spread", "m", "further deformation in which 76 % of the rest is lost", lower=1e-4),
+        LOSS,
+    )
+
+    @staticmethod
+    def force(d: float, ddot: float, d_max: float, softening_middle: float, softening_spread: float, loss: float) -> float:
+        """The factor."""
+        return 1.0 - 0.5 * loss * (1.0 + math.tanh((d_max - softening_middle) / softening_spread))
+
+
 class LostForce(SpringLaw):
     """What a loading curve loses where it tears: F = -L min(1, max(0, d_max - softening_deformation) / softening_length).
 

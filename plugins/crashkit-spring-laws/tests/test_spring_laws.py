@@ -54,6 +54,7 @@ from crashkit_spring_laws import (
     Rubbing,
     RubbingGap,
     SecondLine,
+    SmoothSoftening,
     SmoothTable,
     Softening,
     StepwiseSoftening,
@@ -159,6 +160,7 @@ EXAMPLES = [
     (PlasticShare, {"plastic_share": 0.3}),
     (SecondLine, {"turning_share": 0.5, "slope_ratio": 0.3}),
     (Softening, {"softening_deformation": 0.3, "softening_length": 0.2, "loss": 0.7}),
+    (SmoothSoftening, {"softening_middle": 0.3, "softening_spread": 0.05, "loss": 0.7}),
     (
         StepwiseSoftening,
         {"softening_deformation": 0.2, "softening_length": 0.1, "loss": 0.3, "step_way": 0.2, "second_loss": 0.2},
@@ -548,6 +550,12 @@ def test_softening_takes_its_share_over_a_length_and_for_good():
     member = {"softening_deformation": 0.3, "softening_length": 0.2, "loss": 0.6}
     whole, half, all_of_it, after = (value(Softening, 0.1, d_max=deepest, **member) for deepest in (0.3, 0.4, 0.5, 0.9))
     assert [whole, half, all_of_it, after] == pytest.approx([1.0, 0.7, 0.4, 0.4])
+
+
+def test_a_member_may_tear_smoothly():
+    member = {"softening_middle": 0.3, "softening_spread": 0.05, "loss": 0.6}
+    factors = [value(SmoothSoftening, 0.1, d_max=deepest, **member) for deepest in (0.0, 0.3, 0.35, 0.9)]
+    assert factors == pytest.approx([1.0, 0.7, 0.7 - 0.3 * np.tanh(1.0), 0.4], abs=1e-4)
 
 
 def test_a_member_may_tear_in_two_steps():
