@@ -103,8 +103,8 @@ class _Begun:
     """A couple where the equations have led it.
 
     Attributes:
-        left: half a chi squared that it leaves of them.
-        price: of its numbers.
+        left: half a chi squared that it leaves of them, with the price of its numbers.
+        price: that price.
     """
 
     first: Proposal
@@ -115,9 +115,9 @@ class _Begun:
 
 
 def _begun(workshop: Workshop, given: Misfit, couples: Sequence[tuple[Led, Led]]) -> list[_Begun]:
-    """The couples that can be begun, those first that leave least of the equations with the price of their numbers."""
+    """The couples that can be begun, those first that leave least of the equations."""
     begun = [one for one in spread(partial(_begun_one, workshop, given), couples) if one is not None]
-    return sorted(begun, key=lambda one: one.left + one.price)
+    return sorted(begun, key=lambda one: one.left)
 
 
 def _begun_one(workshop: Workshop, given: Misfit, couple: tuple[Led, Led]) -> _Begun | None:
@@ -133,7 +133,8 @@ def _begun_one(workshop: Workshop, given: Misfit, couple: tuple[Led, Led]) -> _B
     end = regression(workshop, together, rounds=OPENING)
     if end is None:
         return None
-    return _Begun(leader.proposal, second, together.with_values(end[0]), end[1], leader.price + other.price)
+    price = leader.price + other.price
+    return _Begun(leader.proposal, second, together.with_values(end[0]), end[1] + price, price)
 
 
 def _simulated(workshop: Workshop, begun: Sequence[_Begun], progress: Progress) -> list[Couple]:
@@ -152,7 +153,7 @@ def _ahead(workshop: Workshop, begun: Sequence[_Begun], count: int) -> Sequence[
 
     One cause may leave next to nothing of the equations, which then say nothing of what is beside it.
     """
-    near = [one for one in begun if one.left + one.price < NEAR * (begun[0].left + begun[0].price)]
+    near = [one for one in begun if one.left < NEAR * begun[0].left]
     if len(near) <= count:
         return begun[:count]
     searches = advance_all(begin_all(workshop.identifier, [one.misfit for one in near]), SCOUTING)

@@ -77,7 +77,7 @@ class Fracture(Hypothesis):
         ]
 
     def _smooth(self, model: Model, joint: Joint, reached: float, shortest: float) -> Proposal:
-        """Half as long each way as a loss over a length is at first."""
+        """A loss that begins and ends little by little."""
         smooth = {
             "loss": LOSS,
             "softening_middle": Parameter(0.0, 0.0, 1.5 * reached),
