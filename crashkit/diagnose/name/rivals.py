@@ -21,8 +21,8 @@ from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
 
 STARTS = 3
-"""How many starts of each form of a claim about a sensor are fitted, which is soon done: of several frequencies the best is
-hardly told from derivatives. One is of a claim about the structure."""
+"""How many starts of each form of a claim about a sensor are fitted, from the re-identified values only where they are not
+more than enter the first heat: of several frequencies the best is hardly told from derivatives."""
 HEATS = ((40, 5), (12, 8), (6, 40))
 """How many of them enter each heat of fits, and how many steps each gets there. Those from the given values have heats of
 their own: they begin far above the others, and need more steps to show what they are worth."""
@@ -103,6 +103,7 @@ def _ahead(workshop: Workshop, base: Misfit, chosen: Sequence[Start], progress: 
     ahead = scouted(workshop, base, first_of_each(structure, 1), (1.0,), most, astray, progress)
     cost = float(begin(workshop.identifier, base).state.cost)
     best = min((search.state.cost for _, search in ahead), default=cost)
+    readings = readings if len(readings) <= most else first_of_each(readings, 1)
     further = that_may_reach(workshop.identifier, base, readings, cost - SENSOR_SHARE * (cost - best))
     return [*ahead, *scouted(workshop, base, further, (1.0,), most, astray, progress)]
 
