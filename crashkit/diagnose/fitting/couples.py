@@ -8,7 +8,7 @@ from attrs import evolve, frozen
 from crashkit.campaign import spread
 from crashkit.diagnose.claims import Progress, identity, price_of, proposed_again
 from crashkit.diagnose.fitting.evidence import explains
-from crashkit.diagnose.fitting.promises import Led, led, promises
+from crashkit.diagnose.fitting.promises import Led, led, promising_couples
 from crashkit.diagnose.fitting.regress import OPENING, End, regression, simulated
 from crashkit.diagnose.fitting.search import Search, advance_all, begin_all
 from crashkit.diagnose.result import UNKNOWN
@@ -67,8 +67,7 @@ def coupled(
     known = [(p, end) for p, end in zip(proposals, ends, strict=True) if end is not None and p.physics != UNKNOWN]
     claims = led(workshop, given, known)
     progress(f"regressing the equations of motion for couples of {len(claims)} claims", 0.0)
-    tried = [(first, second) for _, first, second in promises(claims, TRIED)]
-    couples = _simulated(workshop, _begun(workshop, given, tried), progress)
+    couples = _simulated(workshop, _begun(workshop, given, promising_couples(claims, TRIED)), progress)
     if couples and couples[0].search.excess < HOPEFUL * least and not explains(couples[0].search):
         forms = [two for couple in couples[:LEADING] for two in _with_other_forms(couple, claims)]
         couples = [*couples, *_simulated(workshop, _begun(workshop, given, forms), progress)]

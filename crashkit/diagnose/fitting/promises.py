@@ -50,12 +50,12 @@ Promise = tuple[float, Led, Led]
 
 
 def led(workshop: Workshop, given: Misfit, claims: Sequence[tuple[Proposal, End]]) -> list[Led]:
-    """Each claim where a regression has led it, but those that have other equations than the most."""
+    """Each claim where a regression has led it, but those that have other equations than the first."""
     found = [one for one in spread(partial(_led, workshop, given), claims) if one is not None]
     return [one for one in found if one.residual.shape == found[0].residual.shape]
 
 
-def promises(claims: Sequence[Led], most: int) -> list[Promise]:
+def promising_couples(claims: Sequence[Led], most: int) -> list[tuple[Led, Led]]:
     """Two claims at once, the best first, each two in one of their forms: the leading ones beside all others."""
     ranked = sorted(((one.proposal, one) for one in claims), key=lambda claim: claim[1].left)
     leaders = [one for _, one in first_of_each(ranked, 1)][:LEADERS]
@@ -63,7 +63,7 @@ def promises(claims: Sequence[Led], most: int) -> list[Promise]:
     best: dict[frozenset[tuple[str, str]], Promise] = {}
     for promise in sorted(promised, key=lambda promise: promise[0]):
         best.setdefault(frozenset(identity(claim.proposal) for claim in promise[1:]), promise)
-    return list(best.values())[:most]
+    return [(first, second) for _, first, second in best.values()][:most]
 
 
 def _led(workshop: Workshop, given: Misfit, claim: tuple[Proposal, End]) -> Led | None:

@@ -1,0 +1,30 @@
+"""Which claims a look begins with, and from how many of their starts."""
+
+import pytest
+
+from crashkit.diagnose.claims import propose_all
+from crashkit.diagnose.name import rivals
+
+
+@pytest.fixture
+def begun(monkeypatch, workshop, misfit, model, recorded):
+    """How many starts of a bias and of bottoming are fitted, of as many that promise something."""
+    base = misfit(model, run=recorded(model))
+    bias, wall = (propose_all(workshop, base, physics)[0] for physics in ("bias", "bottoming"))
+
+    def ask(count):
+        taken = []
+        monkeypatch.setattr(rivals, "scouted", lambda workshop, base, starts, *rest: taken.extend(starts) or [])
+        monkeypatch.setattr(rivals, "that_may_reach", lambda identifier, base, readings, cost: readings)
+        rivals._ahead(workshop, base, [(claim, {}) for claim in (bias, wall) for _ in range(count)], lambda doing, share: None)
+        return [sum(claim is one for claim, _ in taken) for one in (bias, wall)]
+
+    return ask
+
+
+def test_a_claim_about_a_sensor_begins_at_several_starts_and_one_about_the_structure_at_its_best(begun):
+    assert begun(3) == [3, 1]
+
+
+def test_each_begins_at_its_best_where_more_are_asked_than_enter_the_first_heat(begun):
+    assert begun(rivals.HEATS[0][0] + 1) == [1, 1]
