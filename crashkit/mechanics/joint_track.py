@@ -81,7 +81,7 @@ class Track:
         known[self.own.free_length] = slopes[:, TO_D] + slopes[:, TO_D_MAX]
         if self.driver is not None:
             known[self.driver.free_length] = driven[:, TO_D]
-        return force, np.array([known.get(path, np.zeros(len(force))) for path in paths]).reshape(len(paths), -1).T
+        return force, np.array([known.get(path, np.zeros(len(force))) for path in paths]).reshape(len(paths), len(force)).T
 
     def _drive(self, values: Mapping[str, float]) -> np.ndarray | None:
         return None if self.driver is None else self.driver.states(values)

@@ -123,14 +123,22 @@ def _told_beside(inquiry: Inquiry, reading: Look, structure: Rival) -> Look:
     """The look with what an instrument has wrong in the form that tells most beside the structure: alone, one that is a little
     off makes do for what that lacks, and beside it leaves what then seems to be still more."""
     claim, without = reading.leader, structure.search.deviance + reading.leader.drop
+    if explains(structure.search):
+        return reading
     forms = ranked_by_evidence(in_all_forms(inquiry, claim, [structure], structure.search), without)
-    if not forms or forms[0].proposal.form == claim.proposal.form:
+    if not forms or not _is_much_better(forms[0], claim, structure):
         return reading
     search = inquiry.fit_with(forms[:1], forms[0].search)
     if search is None:
         return reading
     told = rival_of(forms[0].proposal, search, claim.without)
     return reading.led_by(told)
+
+
+def _is_much_better(form: Rival, claim: Rival, structure: Rival) -> bool:
+    """Whether it is another one than what was claimed, and leaves much less beside the structure."""
+    is_other = form.proposal.form != claim.proposal.form
+    return is_other and form.search.excess < (1.0 - HARDLY_LESS) * structure.search.excess
 
 
 def _suffices(found: Discovery, base: Search) -> bool:

@@ -1,21 +1,27 @@
 """What the best claim from the numbers as they are leads to."""
 
+from collections.abc import Iterator, Sequence
+
 from attrs import evolve, field, frozen
 
+from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import UNEXPLAINED, by_evidence, is_unknown
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.follow import Discovery, followed
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.leaders import coupled_leaders
+from crashkit.diagnose.name.leaders import coupled_leaders, couples_from_given
 from crashkit.diagnose.name.look import FORM_ERRORS, Look, compared, look_again
 from crashkit.diagnose.name.pace import check_pace
 from crashkit.diagnose.name.pairs import both
 from crashkit.diagnose.name.rivals import CONCEALED, COUPLED
 from crashkit.diagnose.name.settle import settled
+from crashkit.diagnose.name.two_places import couples_at_two_places
 
 FOLLOWED = 0.5
 """Of what the model without it leaves above the noise: a claim that leaves more is not followed before all are asked."""
+LEADERS = 6
+"""How many known causes that lead are put beside each other."""
 ALMOST_ALL = 0.2
 """Of what is left above the noise: a claim that leaves more of it is hardly all there is, in whatever form."""
 
@@ -41,7 +47,7 @@ def followed_nearby(inquiry: Inquiry, near: Look) -> Nearby:
     if not known:
         return Nearby(near)
     if known[0].search.excess > FOLLOWED * inquiry.base.excess:
-        return Nearby(near, _two_leaders(inquiry, near, known[0].search))
+        return Nearby(near, _two_at_once(inquiry, near, known[0].search))
     first, search = _at_its_best(inquiry, compared(near, known))
     near = compared(near, by_evidence([*first.rivals, *filter(is_unknown, near.rivals)]))
     winner = first.winner
@@ -49,7 +55,7 @@ def followed_nearby(inquiry: Inquiry, near: Look) -> Nearby:
         return Nearby(near)
     if search.normalised < CONCEALED:
         check_pace(inquiry, winner)
-    two = _two_leaders(inquiry, near, search)
+    two = _two_at_once(inquiry, near, search)
     if two is not None:
         return Nearby(near, two)
     first = first if is_unknown(near.leader) else near
@@ -60,15 +66,30 @@ def followed_nearby(inquiry: Inquiry, near: Look) -> Nearby:
     return Nearby(near, found, look)
 
 
-def _two_leaders(inquiry: Inquiry, near: Look, alone: Search) -> Discovery | None:
-    """What two of the leading causes at once lead to, if they leave nothing to speak of and far less than one alone."""
+def _two_at_once(inquiry: Inquiry, near: Look, alone: Search) -> Discovery | None:
+    """What two causes at once lead to, if they leave nothing to speak of and far less than one alone."""
     if alone.normalised < UNEXPLAINED:
         return None
-    couples = coupled_leaders(inquiry, near)
-    if not couples or couples[0].search.normalised > UNEXPLAINED or couples[0].search.excess > COUPLED * alone.excess:
-        return None
-    begun = both(inquiry, evolve(near, couples=tuple(couples)))
-    return followed(inquiry, [begun[0]], begun[1])[0] if begun else None
+    for couples in _couples(inquiry, near, alone):
+        begun = both(inquiry, evolve(near, couples=tuple(couples))) if _are_all(couples, alone) else None
+        if begun is not None:
+            return followed(inquiry, [begun[0]], begun[1])[0]
+    return None
+
+
+def _couples(inquiry: Inquiry, near: Look, alone: Search) -> Iterator[list[Couple]]:
+    """Those of the leading causes, those that estimates point to, and those of all where one alone does for most of what was
+    left: else these are asked later, after each alone."""
+    yield coupled_leaders(inquiry, [rival for rival in near.rivals if not is_unknown(rival)][:LEADERS])
+    yield couples_at_two_places(inquiry, near, alone)
+    if alone.excess < FOLLOWED * inquiry.base.excess:
+        yield couples_from_given(inquiry, alone)
+
+
+def _are_all(couples: Sequence[Couple], alone: Search) -> bool:
+    """Whether the first of these leaves nothing to speak of, and far less than one cause alone."""
+    first = couples[0].search if couples else alone
+    return first.normalised <= UNEXPLAINED and first.excess <= COUPLED * alone.excess
 
 
 def _at_its_best(inquiry: Inquiry, look: Look) -> tuple[Look, Search]:

@@ -1,6 +1,6 @@
 """Known causes where an estimated force leaves less than the leading one, begun beside that estimate."""
 
-from crashkit.diagnose.fitting.evidence import Rival, is_unknown
+from crashkit.diagnose.fitting.evidence import UNEXPLAINED, Rival, is_unknown
 from crashkit.diagnose.name.imitate import with_imitations
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look
@@ -26,9 +26,10 @@ def with_causes_pointed_to(inquiry: Inquiry, look: Look) -> Look:
 
 
 def _points(estimate: Rival, known: Rival) -> bool:
-    """Whether it leaves less, by more than chance would, than a cause of another place that leaves little; where the leading
-    known cause leaves much, as its form may be off, whether it leaves next to nothing of that."""
+    """Whether it leaves little, and less, by more than chance would, than a cause of another place that leaves little; where the
+    leading known cause leaves much, as its form may be off, whether it leaves next to nothing of that."""
     if known.search.normalised > CONCEALED:
         return estimate.search.excess < FAR_LESS * known.search.excess
     gained = known.search.deviance - estimate.search.deviance
-    return estimate.place != known.place and gained > BY_CHANCE * len(estimate.proposal.parameters)
+    is_little = estimate.search.normalised < UNEXPLAINED
+    return is_little and estimate.place != known.place and gained > BY_CHANCE * len(estimate.proposal.parameters)

@@ -69,4 +69,4 @@ class Seen:
         slopes = np.zeros((*residual.shape, len(names)))
         columns = [names.index(path) for path in self._form.paths]
         slopes[..., columns] = -matrix[:, self._moving] * self._weight[..., None]
-        return residual.ravel(), slopes.reshape(-1, len(names))
+        return residual.ravel(), slopes.reshape(residual.size, len(names))

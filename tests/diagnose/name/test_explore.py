@@ -116,20 +116,34 @@ def test_an_instrument_is_put_right_first_where_much_more_is_left():
     assert not _is_wrong_beside_more(Look((), (), 1.0, None))
 
 
-@pytest.mark.parametrize("form", ["constant", "rising"])
-def test_the_form_of_a_reading_is_asked_for_beside_the_structure(monkeypatch, inquiry, offered, form):
-    """Alone it made do for what the structure lacks."""
+@pytest.mark.parametrize(
+    ("form", "structure", "left", "is_told"),
+    [
+        ("rising", 2.0, 1.5, True),
+        ("rising", 2.0, 1.98, False),
+        ("constant", 2.0, 1.5, False),
+        ("rising", 1.0, 0.9, False),
+    ],
+)
+def test_a_reading_is_told_in_the_form_that_leaves_much_less_beside_the_structure(
+    monkeypatch, inquiry, offered, form, structure, left, is_told
+):
+    """Alone it made do for what the structure lacks; where that hardly matters, the form is chosen at last."""
     look, base, final = offered(0.0)
     told = Proposal("gain_error", "constant", SENSOR, None, ("gain",), {})
     reading = Look((Rival(told, base, 100.0, 40.0), look.leader), (1.0, 0.0), 0.0, base.fitted())
-    monkeypatch.setattr(explore, "in_all_forms", lambda *_: [(evolve(told, form=form), final)])
+    beside, other = leaving(structure).leader, evolve(leaving(left).leader, proposal=evolve(told, form=form))
+    beside.search.deviance = 0.0
+    monkeypatch.setattr(explore, "explains", lambda search: search.normalised < 1.05)
+    monkeypatch.setattr(explore, "in_all_forms", lambda *_: [])
+    monkeypatch.setattr(explore, "ranked_by_evidence", lambda forms, without: [other])
     monkeypatch.setattr(Inquiry, "fit_with", lambda inquiry, rivals, last: final)
-    beside = explore._told_beside(inquiry(base), reading, look.leader)
-    assert beside.leader.proposal.form == form
-    assert (beside is reading) == (form == "constant")
-    if form == "rising":
-        assert beside.leader.drop == pytest.approx(100.0 + base.deviance - final.deviance)
-        assert beside.rivals[1:] == reading.rivals[1:]
+    found = explore._told_beside(inquiry(base), reading, beside)
+    assert (found is not reading) == is_told
+    if is_told:
+        assert found.leader.proposal.form == form
+        assert found.leader.drop == pytest.approx(100.0 + base.deviance - final.deviance)
+        assert found.rivals[1:] == reading.rivals[1:]
 
 
 @pytest.fixture

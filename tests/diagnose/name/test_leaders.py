@@ -1,4 +1,4 @@
-"""Two of the causes that lead alone, beside each other."""
+"""Two of the causes that lead alone, or of all, beside each other."""
 
 import pytest
 from attrs import evolve
@@ -6,7 +6,7 @@ from attrs import evolve
 from crashkit.diagnose.claims import identity, propose_all
 from crashkit.diagnose.fitting.evidence import best_forms, ranked_by_evidence
 from crashkit.diagnose.fitting.search import begin
-from crashkit.diagnose.name.leaders import coupled_leaders
+from crashkit.diagnose.name.leaders import coupled_leaders, couples_from_given
 from crashkit.diagnose.name.look import Look
 from crashkit.testing import toys
 
@@ -34,20 +34,28 @@ def asked(workshop, inquiry, misfit, recorded):
 
 def test_together_they_leave_nothing_where_each_alone_leaves_much(asked):
     inquiry, look = asked
-    best = coupled_leaders(inquiry, look)[0]
+    best = coupled_leaders(inquiry, look.rivals)[0]
     assert {identity(best.first), identity(best.second)} == {MASS, GAP}
     assert best.search.normalised == pytest.approx(1.0, abs=0.05)
     alone = {rival.identity: rival.search.normalised for rival in look.rivals}
     assert min(alone[MASS], alone[GAP]) > 1.5
 
 
-def test_estimates_are_put_beside_nothing_and_no_two_claims_come_twice(asked):
-    couples = coupled_leaders(*asked)
+def test_no_two_claims_come_twice_nor_one_beside_itself(asked):
+    inquiry, look = asked
+    couples = coupled_leaders(inquiry, look.rivals)
     claims = [frozenset((identity(couple.first), identity(couple.second))) for couple in couples]
     assert len(set(claims)) == len(claims)
-    assert all(len(two) == 2 and "unknown" not in dict(two) for two in claims)
+    assert all(len(two) == 2 for two in claims)
+
+
+def test_of_all_causes_those_two_leave_least(asked):
+    inquiry, look = asked
+    best = couples_from_given(inquiry, look.leader.search)[0]
+    assert {identity(best.first), identity(best.second)} == {MASS, GAP}
+    assert best.search.normalised == pytest.approx(1.0, abs=0.05)
 
 
 def test_a_single_leader_has_nothing_beside_it(asked):
     inquiry, look = asked
-    assert coupled_leaders(inquiry, Look.of(look.rivals[:1], look.before)) == []
+    assert coupled_leaders(inquiry, look.rivals[:1]) == []

@@ -8,7 +8,7 @@ from attrs import evolve
 from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.name import nearby
 from crashkit.diagnose.name.look import Look
-from crashkit.diagnose.name.nearby import _two_leaders
+from crashkit.diagnose.name.nearby import _two_at_once
 
 
 def leaving(normalised):
@@ -17,16 +17,22 @@ def leaving(normalised):
 
 @pytest.fixture
 def two(monkeypatch):
-    """Whether two leaders are told that leave so much, where the best of them alone leaves so much; and whether they were
-    asked for."""
+    """Whether two causes are told that leave so much, as the leaders, as two places, and as all do, where the best of them
+    alone leaves so much; and who was asked for."""
     asked = []
 
-    def told(alone, together):
-        couples = [Couple(None, None, leaving(left)) for left in together]
-        monkeypatch.setattr(nearby, "coupled_leaders", lambda inquiry, look: asked.append(alone) or couples)
+    def told(alone, leaders, places=(), everyone=(), base=9.0):
+        for name, left in {
+            "coupled_leaders": leaders,
+            "couples_at_two_places": places,
+            "couples_from_given": everyone,
+        }.items():
+            couples = [Couple(None, None, leaving(one)) for one in left]
+            monkeypatch.setattr(nearby, name, lambda *_, name=name, couples=couples: asked.append(name) or couples)
         monkeypatch.setattr(nearby, "both", lambda inquiry, look: (look, evolve(look, couples=())))
         monkeypatch.setattr(nearby, "followed", lambda inquiry, begun, look: (begun[0].couples, look))
-        found = _two_leaders(None, Look((), (), 1.0, None), leaving(alone))
+        inquiry = SimpleNamespace(base=leaving(base))
+        found = _two_at_once(inquiry, Look((), (), 1.0, None), leaving(alone))
         return [couple.search.normalised for couple in found] if found else None
 
     told.asked = asked
@@ -34,7 +40,8 @@ def two(monkeypatch):
 
 
 def test_two_leaders_that_leave_next_to_nothing_are_followed(two):
-    assert two(3.0, [1.05, 1.1]) == [1.05, 1.1]
+    assert two(3.0, [1.05, 1.1], [1.0], [1.0]) == [1.05, 1.1]
+    assert two.asked == ["coupled_leaders"]
 
 
 def test_they_are_not_asked_for_where_one_alone_leaves_next_to_nothing(two):
@@ -50,6 +57,17 @@ def test_they_are_not_asked_for_where_one_alone_leaves_next_to_nothing(two):
         (3.0, [], "there are no two"),
     ],
 )
-def test_else_they_are_not_followed(two, alone, together, why):
-    assert two(alone, together) is None, why
-    assert two.asked == [alone]
+def test_else_those_at_two_places_are_and_then_those_of_all(two, alone, together, why):
+    assert two(alone, together, [1.01], [1.0]) == [1.01], why
+    assert two(alone, together, together, [1.0]) == [1.0], why
+    assert two(alone, together, together, together) is None, why
+    assert two.asked == ["coupled_leaders", "couples_at_two_places"] + 2 * [
+        "coupled_leaders",
+        "couples_at_two_places",
+        "couples_from_given",
+    ]
+
+
+def test_those_of_all_are_asked_later_where_one_alone_leaves_most(two):
+    assert two(3.0, [], [], [1.0], base=3.5) is None
+    assert "couples_from_given" not in two.asked
