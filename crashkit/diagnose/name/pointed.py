@@ -26,8 +26,10 @@ def with_causes_pointed_to(inquiry: Inquiry, look: Look) -> Look:
 
 
 def _points(estimate: Rival, known: Rival) -> bool:
-    """Whether it leaves little, and less, by more than chance would, than a cause of another place that leaves little; where the
-    leading known cause leaves much, as its form may be off, whether it leaves next to nothing of that."""
+    """Whether it leaves next to nothing, and less, by more than chance, than a cause of another place that leaves little.
+
+    Where the leading known cause leaves much, as its form may be off: whether it leaves next to nothing of that.
+    """
     if known.search.normalised > CONCEALED:
         return estimate.search.excess < FAR_LESS * known.search.excess
     gained = known.search.deviance - estimate.search.deviance
