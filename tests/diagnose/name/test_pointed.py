@@ -66,3 +66,9 @@ def test_nothing_is_asked_where_an_estimate_gains_no_more_than_chance(asked, mon
     monkeypatch.setattr(pointed, "BY_CHANCE", float("inf"))
     inquiry, look = asked
     assert with_causes_pointed_to(inquiry, look) is look
+
+
+def test_nothing_is_asked_where_the_estimate_leaves_something_itself(asked, monkeypatch):
+    monkeypatch.setattr(pointed, "UNEXPLAINED", 0.5)
+    inquiry, look = asked
+    assert with_causes_pointed_to(inquiry, look) is look
