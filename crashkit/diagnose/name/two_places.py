@@ -39,11 +39,14 @@ def couples_at_two_places(inquiry: Inquiry, look: Look, alone: Search) -> list[C
 
 def _named(inquiry: Inquiry, pair: Couple) -> Iterator[Couple]:
     """Known causes instead of both estimates."""
-    first, second = (_on_base(inquiry, claim) for claim in (pair.first, pair.second))
+    first, second = pair.first, _on_base(inquiry, pair.second)
+    if second is None:
+        return
     for known, search in _standing_for_one(inquiry, first, second, pair.search):
         left = second if place_of(known.location) == place_of(first.location) else first
         claim = _on_base(inquiry, known)
-        yield from (Couple(claim, *one) for one in _imitations(inquiry, left, claim, search))
+        if claim is not None:
+            yield from (Couple(claim, *one) for one in _imitations(inquiry, left, claim, search))
 
 
 def _standing_for_one(inquiry: Inquiry, first: Proposal, second: Proposal, pair: Search) -> list[Candidate]:
@@ -62,8 +65,6 @@ def _imitations(inquiry: Inquiry, estimate: Proposal, other: Proposal, search: S
     return imitating(inquiry, Rival(claim, search, 0.0, 0.0), beside) if claim else []
 
 
-def _on_base(inquiry: Inquiry, claim: Proposal) -> Proposal:
-    """The claim built on the model as it is."""
-    alone = proposed_again(inquiry.workshop, inquiry.base.fitted(), claim)
-    assert alone is not None
-    return alone
+def _on_base(inquiry: Inquiry, claim: Proposal) -> Proposal | None:
+    """The claim built on the model as it is; None where it is not made there, as some are only of certain motions."""
+    return proposed_again(inquiry.workshop, inquiry.base.fitted(), claim)
