@@ -60,7 +60,7 @@ def _standing_for_one(inquiry: Inquiry, first: Proposal, second: Proposal, pair:
 
 def _imitations(inquiry: Inquiry, estimate: Proposal, other: Proposal, search: Search) -> list[Candidate]:
     """Fits of the known causes at the place of an estimate beside another claim, both at the numbers of a fit."""
-    beside = inquiry.workshop.equipped([other.model]).misfit(inquiry.given, other.model).with_values_of(search.fitted())
+    beside = inquiry.workshop.equipped([other.model]).misfit(inquiry.base.misfit, other.model).with_values_of(search.fitted())
     claim = proposed_again(inquiry.workshop, beside, estimate)
     return imitating(inquiry, Rival(claim, search, 0.0, 0.0), beside) if claim else []
 
