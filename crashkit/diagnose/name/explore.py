@@ -122,9 +122,9 @@ def _with_reading_right(inquiry: Inquiry, reading: Look) -> Inquiry:
 def _told_beside(inquiry: Inquiry, reading: Look, structure: Rival) -> Look:
     """The look with what an instrument has wrong in the form that tells most beside the structure: alone, one that is a little
     off makes do for what that lacks, and beside it leaves what then seems to be still more."""
-    claim, without = reading.leader, structure.search.deviance + reading.leader.drop
     if explains(structure.search):
         return reading
+    claim, without = reading.leader, structure.search.deviance + reading.leader.drop
     forms = ranked_by_evidence(in_all_forms(inquiry, claim, [structure], structure.search), without)
     if not forms or not _is_much_better(forms[0], claim, structure):
         return reading
