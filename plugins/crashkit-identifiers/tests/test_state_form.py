@@ -39,6 +39,15 @@ def test_a_quick_start_looks_at_few_instants(search):
     assert {run: FEW <= motion.sizes["time"] < 2 * FEW for run, motion in state.measured.by_run.items()} == {"speed_1": True}
 
 
+def test_a_problem_without_a_free_number_is_begun(search):
+    """What it leaves of the equations of motion is still worth knowing."""
+    problem = search(toys.one_degree())
+    known = problem.with_values({}, free=dict.fromkeys(problem.names, False))
+    state = QuickRegression().start(known)
+    assert known.names == () and state.point.shape == (0,)
+    assert np.isfinite(state.cost)
+
+
 @pytest.mark.parametrize("factor", [0.3, 3.0])
 def test_a_start_that_is_far_off_does_not_matter(search, errors, factor):
     truth = toys.one_degree()
