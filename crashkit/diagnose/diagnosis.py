@@ -89,6 +89,8 @@ def _discovered_in(
     discovery = _discovered_at_pace(Inquiry(equipped, awake_given, base, progress, recordings), looks)
     progress.show("refining", 0.0)
     discovery = beside_twins(equipped, discovery)
+    # What was found may move faster than the model as it was given.
+    equipped = evolve(equipped, step=min(equipped.step, fine_step(discovery.final)))
     return equipped, refined(equipped, discovery, model, recordings)
 
 
@@ -99,6 +101,7 @@ def _discovered_at_pace(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery:
         return in_time(Discovery.of(base, base), discover, inquiry, looks)
     except OutrunError as outrun:
         found = outrun.found
+    workshop = evolve(workshop, step=min(workshop.step, fine_step(found.search.fitted())))
     thin = in_the_light_of(workshop, inquiry.given.model, inquiry.unthinned, found.search.fitted())
     base = begin(workshop.identifier, thin.with_values(base.values)).advance(STEPS)
     alone = Look((found,), (1.0,), 0.0, base.fitted())

@@ -40,7 +40,7 @@ USED = ("kernel/arrays.py", "laws/linking.py", "unaliased.py")
 """What a generated module takes from crashkit as it is."""
 GEOMETRY = {1: ("line",), 2: ("plane",), 3: ("vectors", "rotations", "space")}
 """The modules of the kernel that know the geometry, by number of axes."""
-MODULES = ("forces", "steps", "landing", "tangents", "jumps", "history", "run", "adjoint", "along")
+MODULES = ("forces", "steps", "landing", "tangents", "jumps", "history", "between", "run", "adjoint", "along")
 ENTRIES = ("integrate", "integrate_many", "sweep", "follow")
 LOCK = threading.Lock()
 

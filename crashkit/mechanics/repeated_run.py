@@ -15,8 +15,9 @@ from crashkit.mechanics.motion import arrays_of, motion_of
 from crashkit.mechanics.run import bodies_of, joints_of, prepare, record_of, work_of
 from crashkit.mechanics.simulator import NO_HISTORY, Simulator, with_knots
 
-BY_BODY = ("position", "velocity", "acceleration", "contact_force")
-"""Quantities that a record holds for each body and axis."""
+FORCE = "contact_force"
+BY_BODY = ("position", "velocity", "acceleration", FORCE)
+"""Quantities that a record holds for each body and axis; between the ends of steps all but the force."""
 ROOMS = 8
 """Records that are kept for the next run of the same size: hundreds of models may take turns, each with some megabytes."""
 _kept = threading.local()
@@ -32,6 +33,7 @@ class RepeatedRun:
         values: by path, of others that keep a value that is not the model's.
         initial: the state at t = 0, as `Simulator.run` takes it.
         step: s, longest step of the integration.
+        stops: s, where steps end; None: at all times. Between them only positions, velocities and accelerations are known.
     """
 
     def __init__(
@@ -42,13 +44,15 @@ class RepeatedRun:
         values: Mapping[str, float] | None = None,
         initial: xr.Dataset | None = None,
         step: float = 1e-4,
+        stops: Floats | None = None,
     ) -> None:
         self.times, self.paths = times, tuple(paths)
         self._simulator, self._step = simulator, step
         self._layout = prepare(simulator.layout, values or {}, initial)
         self._places = [self._layout.place(path) for path in paths]
         self._is_structural = any(name != "parameters" for name, _ in self._places)
-        self._instants = with_knots(times, self._layout)
+        self._stops = with_knots(times if stops is None else np.union1d(stops, times[-1:]), self._layout)
+        self._instants = times if stops is not None else self._stops
         self._rows = np.searchsorted(self._instants, times)
         self._arrays: dict[bool, tuple[Work, Work]] = {}
         self._blank: dict[tuple[str, ...], xr.Dataset] = {}
@@ -63,7 +67,8 @@ class RepeatedRun:
             getattr(self._layout, name)[index] = value
         work = self._begin(sensitivities)
         record = _room(work, len(self._layout.axes), self._instants.size)
-        status, joint, t, _ = self._simulator.engine.module.integrate(self._instants, self._step, *work, *record, NO_HISTORY)
+        integrate = self._simulator.engine.module.integrate
+        status, joint, t, _ = integrate(self._instants, self._stops, self._step, *work, *record, NO_HISTORY)
         if status != DONE:
             raise SimulationError(self._simulator.sentence(status, joint, t))
         if self._instants is self.times:
@@ -79,21 +84,6 @@ class RepeatedRun:
         motion = motion_of(own, self.times, axes, names, paths)
         self._blank[paths] = _blank(motion)
         return motion
-
-    def entry(self, quantity: str, body: str, axis: str) -> int | None:
-        """Where a record holds a quantity of `BY_BODY`; None where it does not.
-
-        The force that a load cell feels is no entry of its own where a joint supports a body.
-        """
-        axes, bodies = self._layout.axes, self._layout.bodies
-        supports = quantity == "contact_force" and bool(self._simulator.names["joint_support"].any())
-        if supports or quantity not in BY_BODY or axis not in axes:
-            return None
-        dof = DOF[len(axes)]
-        velocities = dof * len(bodies)
-        size = 2 * velocities + sum(bool(function.law.memory) for own in self._layout.functions for function in own)
-        starts = (0, velocities, size + velocities, 2 * size + 3 * len(self._layout.joints))
-        return starts[BY_BODY.index(quantity)] + dof * bodies.index(body) + axes.index(axis)
 
     def _begin(self, sensitivities: bool) -> Work:
         """The arrays as they are at t = 0."""
@@ -121,6 +111,23 @@ class RepeatedRun:
         for name in ("rest", "places"):
             work.joints[name] = joints[name]
         work.state[START, : self._layout.start.size] = self._layout.start.ravel()
+
+
+def entry_of(simulator: Simulator, quantity: str, body: str, axis: str) -> int | None:
+    """Where a record of a model's runs holds a quantity of `BY_BODY`; None where it does not.
+
+    The force that a load cell feels is no entry of its own where a joint supports a body.
+    """
+    layout = simulator.layout
+    axes, bodies = layout.axes, layout.bodies
+    supports = quantity == FORCE and bool(simulator.names["joint_support"].any())
+    if supports or quantity not in BY_BODY or axis not in axes:
+        return None
+    dof = DOF[len(axes)]
+    velocities = dof * len(bodies)
+    size = 2 * velocities + sum(bool(function.law.memory) for own in layout.functions for function in own)
+    starts = (0, velocities, size + velocities, 2 * size + 3 * len(layout.joints))
+    return starts[BY_BODY.index(quantity)] + dof * bodies.index(body) + axes.index(axis)
 
 
 def _blank(motion: xr.Dataset) -> xr.Dataset:

@@ -136,7 +136,7 @@ class Simulator:
         work = work_of(layout, self.engine, sensitivities)
         instants = with_knots(times, layout)
         record = record_of(work, len(layout.axes), instants.size)
-        status, joint, t, _ = self.engine.module.integrate(instants, float(step), *work, *record, NO_HISTORY)
+        status, joint, t, _ = self.engine.module.integrate(instants, instants, float(step), *work, *record, NO_HISTORY)
         if status != DONE:
             raise SimulationError(self.sentence(status, joint, t))
         if instants is times:
@@ -199,7 +199,7 @@ class Simulator:
         while True:
             history = history_of(work, len(layout.axes), room)
             record = record_of(work, len(layout.axes), instants.size)
-            status, joint, t, steps = self.engine.module.integrate(instants, step, *work, *record, history)
+            status, joint, t, steps = self.engine.module.integrate(instants, instants, step, *work, *record, history)
             if status == DONE:
                 return history, steps
             if status != FULL:
@@ -236,6 +236,6 @@ def simulate(
 
 
 def with_knots(times: Floats, layout: Layout) -> Floats:
-    """The times asked for, and those at which what is given changes its slope."""
+    """These times, and those before the last at which what is given changes its slope: steps end there."""
     knots = layout.given[:, 0]
     return np.union1d(times, knots[knots < times[-1]]) if knots.size > 1 else times

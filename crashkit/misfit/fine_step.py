@@ -10,41 +10,61 @@ from crashkit.errors import SimulationError
 if TYPE_CHECKING:
     from crashkit.misfit.problem import Misfit
 
-LITTLE = 0.1
-"""Of the standard deviation of a reading; such an error adds a hundredth to chi squared."""
+LITTLE = 0.02
+"""Of the standard deviation of a reading: what moves twice as fast as the model still has but a third of it."""
+BEARABLE = 0.1
+"""Of it: such an error adds a hundredth to chi squared."""
 CRUDE = 0.1
 """Of what the model leaves: a search still sees where it goes. Less than the noise is not asked for."""
-HALVINGS = 5
+STRIDE = 4.0
+"""Times the usual time between two instants: what happens in one step, the recordings hardly show."""
+TRIES = 6
+ORDER = 4.0
+"""Of the integration: the power of the step that its error goes with."""
+CLOSE = 0.9
+"""Of the step that would be just short enough by that power."""
+SHORTER = 0.25, 0.8
+"""A step becomes no less, and no more, of itself at a time."""
 
 
 def fine_step(misfit: "Misfit") -> float:
-    """The longest step, s, with which every channel reads what it reads with a third of it, to a tenth of its noise.
+    """The longest step, s, with which every channel reads what it reads with a third of it, to a fiftieth of its noise.
 
     Arguments:
-        misfit: whose step is halved as often as it takes, but no more than five times, from the longest time between two
-            readings, if that is shorter; no further where the model cannot be simulated at its own values.
+        misfit: whose model is simulated at its own values; where it cannot be, the step stays a short one.
     """
-    return _longest_step(misfit, lambda left: np.full_like(left, LITTLE))
+    return _longest_step(misfit, STRIDE * misfit.predictor.usual_gap, lambda left: np.full_like(left, LITTLE))
 
 
 def crude_step(misfit: "Misfit") -> float:
-    """The same, to its noise or to a tenth of what the model leaves, whichever is more."""
-    return _longest_step(misfit, lambda left: np.maximum(CRUDE * left, 1.0))
+    """The same, to its noise or to a tenth of what the model leaves, whichever is more; no longer than the misfit's own."""
+    return _longest_step(misfit, misfit.step, lambda left: np.maximum(CRUDE * left, 1.0))
 
 
-def _longest_step(misfit: "Misfit", allowed: Callable[[np.ndarray], np.ndarray]) -> float:
-    misfit = misfit.with_step(min(misfit.step, misfit.predictor.longest_gap))
+def bears_step(misfit: "Misfit") -> bool:
+    """Whether the error of a misfit's own step is bearable."""
+    return _share(misfit, lambda left: np.full_like(left, BEARABLE)) <= 1.0
+
+
+def _longest_step(misfit: "Misfit", first: float, allowed: Callable[[np.ndarray], np.ndarray]) -> float:
+    step = first
+    for _ in range(TRIES):
+        share = _share(misfit.with_step(step), allowed)
+        if share <= 1.0:
+            break
+        step *= float(np.clip(CLOSE * share ** (-1.0 / ORDER), *SHORTER))
+    return step
+
+
+def _share(misfit: "Misfit", allowed: Callable[[np.ndarray], np.ndarray]) -> float:
+    """The error of a step over what is allowed of it where the model leaves so much, in the channel where that is most."""
+    # Not with half: where a step jumps over a corner the engine halves it anyway.
+    finer = misfit.with_step(misfit.step / 3.0)
     try:
-        for _ in range(HALVINGS):
-            # Not with half: where a step jumps over a corner the engine halves it anyway.
-            finer = misfit.with_step(misfit.step / 3.0)
-            before, after = (one.residual(one.start()) for one in (misfit, finer))
-            if np.all(_by_channel(misfit, before - after) < allowed(_by_channel(misfit, after))):
-                break
-            misfit = misfit.with_step(0.5 * misfit.step)
+        before, after = (one.residual(one.start()) for one in (misfit, finer))
     except SimulationError:
-        pass
-    return misfit.step
+        return np.inf
+    return float(np.max(_by_channel(misfit, before - after) / allowed(_by_channel(misfit, after)), initial=0.0))
 
 
 def _by_channel(misfit: "Misfit", residual: np.ndarray) -> np.ndarray:

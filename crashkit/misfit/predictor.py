@@ -54,9 +54,9 @@ class Predictor:
         self._times = {run: _instants(times, _clock_margin(model, times)) for run, times in stamps.items()}
 
     @property
-    def longest_gap(self) -> float:
-        """s, the longest time between two instants that something is read at; no step is longer."""
-        return max(float(np.max(np.diff(times), initial=0.0)) for times in self._times.values())
+    def usual_gap(self) -> float:
+        """s, the usual time between two instants that something is read at, in the run where that is least."""
+        return min((float(np.median(np.diff(times))) for times in self._times.values() if len(times) > 1), default=self.step)
 
     def motion(self, run: str, values: Mapping[str, float], sensitivities: bool = False) -> xr.Dataset:
         """The simulated motion of one run at every instant that one of its instruments reads."""
@@ -97,16 +97,28 @@ class Predictor:
     def _runs(self) -> dict[str, RepeatedRun]:
         """Made for the first prediction: many models are never asked for one."""
         return {
-            run: RepeatedRun(self.simulator, times, self._structural, self._fixed, self._initial[run], self.step)
+            run: RepeatedRun(
+                self.simulator, times, self._structural, self._fixed, self._initial[run], self.step, self._stops(run)
+            )
             for run, times in self._times.items()
         }
+
+    def _stops(self, run: str) -> Floats | None:
+        """Where steps of a run end: at the instants at which forces are read, or at all where an observer looks for itself."""
+        own = [(group, one) for group, one in zip(self.groups, self._readouts, strict=True) if group.run == run]
+        forces = [(group, one) for group, one in own if one is None or one.of_force]
+        if any(one is None or group.name in self._wrong for group, one in forces):
+            return None
+        return np.unique(np.concatenate([[], *(one.nodes[one.rows] for _, one in forces if one)]))
 
     @cached_property
     def _readouts(self) -> list[Readout | None]:
         """What is read without a Dataset; an instrument with errors is not in several axes."""
         turning = len(self.model.axes) > 1
         return [
-            None if turning and group.name in self._wrong else readout_of(group, self._runs[group.run], turning, SAME_INSTANT)
+            None
+            if turning and group.name in self._wrong
+            else readout_of(group, self.simulator, self._times[group.run], turning, SAME_INSTANT)
             for group in self.groups
         ]
 

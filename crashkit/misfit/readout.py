@@ -7,8 +7,9 @@ import xarray as xr
 from attrs import frozen
 
 from crashkit.data.channel_filter import filter_channel, frequency_class
+from crashkit.mechanics import Simulator
 from crashkit.mechanics.kernel.arrays import Floats, Integers, Record
-from crashkit.mechanics.repeated_run import RepeatedRun
+from crashkit.mechanics.repeated_run import FORCE, entry_of
 from crashkit.misfit.channel import Group
 from crashkit.protocols import Misread, PlainObserver, SensorErrors, Shown
 
@@ -23,6 +24,7 @@ class Readout:
         rates: the entries of their rates, where the motion before contact changes them.
         early: (time stamp, 1) s, of those before contact.
         is_still: whether the channels show nothing before contact.
+        of_force: whether they show what acts, and not how bodies move.
         times: s, the time stamps.
         frequency_class: of the channels' filter, 0 for none.
         offset: (channel,) added to what they show.
@@ -35,6 +37,7 @@ class Readout:
     rates: Integers
     early: Floats
     is_still: bool
+    of_force: bool
     times: Floats
     frequency_class: int
     offset: Floats
@@ -73,12 +76,13 @@ class Readout:
         return filter_channel(shown, self.times, self.frequency_class, before=0.0) if self.frequency_class else shown
 
 
-def readout_of(group: Group, run: RepeatedRun, turning: bool, tolerance: float) -> Readout | None:
+def readout_of(group: Group, simulator: Simulator, nodes: Floats, turning: bool, tolerance: float) -> Readout | None:
     """The readout of a group; None where only its observer knows what it reads.
 
     Arguments:
         group: of the recording.
-        run: whose record is read; its times hold 0 and every later time stamp to within `tolerance`, s.
+        simulator: whose record is read.
+        nodes: s, times of the record; they hold 0 and every later time stamp to within `tolerance`, s.
         turning: whether the bodies of the model may turn.
     """
     if not isinstance(group.observer, PlainObserver):
@@ -87,20 +91,21 @@ def readout_of(group: Group, run: RepeatedRun, turning: bool, tolerance: float) 
     if reading is None:
         return None
     places = list(zip(reading.bodies, reading.axes, strict=True))
-    entries = [run.entry(reading.quantity, body, axis) for body, axis in places]
-    if None in entries or group.times.max(initial=0.0) > run.times[-1] + tolerance:
+    entries = [entry_of(simulator, reading.quantity, body, axis) for body, axis in places]
+    if None in entries or group.times.max(initial=0.0) > nodes[-1] + tolerance:
         return None
-    rates = [run.entry("velocity", body, axis) for body, axis in places] if reading.quantity == "position" else []
+    rates = [entry_of(simulator, "velocity", body, axis) for body, axis in places] if reading.quantity == "position" else []
     return Readout(
-        rows=np.searchsorted(run.times, np.maximum(group.times - tolerance, 0.0)),
+        rows=np.searchsorted(nodes, np.maximum(group.times - tolerance, 0.0)),
         entries=np.array(entries, int),
         rates=np.array(rates, int),
         early=group.times[group.times < 0.0],
         is_still=reading.quantity not in ("position", "velocity"),
+        of_force=reading.quantity == FORCE,
         times=group.times,
         frequency_class=frequency_class(group.dataset),
         offset=reading.offset,
         observer=group.observer,
         instrument=group.dataset,
-        nodes=run.times,
+        nodes=nodes,
     )

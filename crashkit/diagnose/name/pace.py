@@ -1,4 +1,4 @@
-"""What is found may outrun the recordings as they were thinned, and then has to be judged by finer ones."""
+"""What is found may outrun the recordings as they were thinned, or the step, and then has to be judged by finer ones."""
 
 from attrs import evolve
 
@@ -7,13 +7,14 @@ from crashkit.diagnose.fitting.evidence import Rival, is_at_noise, is_unknown
 from crashkit.diagnose.fitting.search import STEPS, begin
 from crashkit.diagnose.fitting.sharpen import in_the_light_of, sharpened
 from crashkit.diagnose.name.inquiry import Inquiry
+from crashkit.misfit import bears_step
 
 THINNED = 0.5
 """Share of what a finding leaves above the noise that is due to thinning, if the finding outruns it."""
 
 
 class OutrunError(Exception):
-    """What was found moves faster than the thinned recordings can show, and has to be judged by finer ones.
+    """What was found moves faster than the thinned recordings or the step can show, and has to be judged by finer ones.
 
     Attributes:
         found: that claim, fitted to those.
@@ -25,7 +26,7 @@ class OutrunError(Exception):
 
 
 def check_pace(inquiry: Inquiry, found: Rival) -> None:
-    """Raises OutrunError where most of what a finding leaves above the noise was made by thinning.
+    """Raises OutrunError where most of what a finding leaves above the noise was made by thinning, or a step is too long for it.
 
     One about readings, as of a sensor that rings, may leave nothing of the means, which hardly show it: its rate decides.
     """
@@ -34,6 +35,8 @@ def check_pace(inquiry: Inquiry, found: Rival) -> None:
         check_rate(inquiry, found)
     if not inquiry.unthinned or is_unknown(found) or is_at_noise(left):
         return
+    if not bears_step(left.fitted()):
+        raise OutrunError(found)
     equipped = inquiry.workshop.equipped([left.misfit.model])
     finer = sharpened(equipped, inquiry.given.model, inquiry.unthinned, left)
     if finer.excess < THINNED * left.excess:

@@ -14,6 +14,7 @@ from crashkit.mechanics.kernel.arrays import (
     REST,
     START,
 )
+from crashkit.mechanics.kernel.between import write_between
 from crashkit.mechanics.kernel.forces import kinematics
 from crashkit.mechanics.kernel.history import remember
 from crashkit.mechanics.kernel.jumps import change_branches
@@ -137,21 +138,44 @@ def choose_step(bodies, joints, functions, parameters, given, state, t, piece, l
     return find_step(bodies, joints, functions, parameters, given, state, t, piece, longest, step)
 
 
-@inlined
-def go_on(bodies, state):
-    """The end of a step becomes the start of the next."""
+@compiled
+def take_step(
+    times, k, step, bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent,
+    net_tangent, values, tangents, t, piece, h,
+):  # fmt: skip
+    """The end of a step becomes the start of the next; returns the next of the times, after those that lie within it."""
+    due = k
+    if tangent.shape[2] > 0:
+        step_tangent(
+            bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, net_tangent,
+            t, piece, h,
+        )  # fmt: skip
+        if AXES < 3 or times[k] + RESOLUTION * step < t + h:
+            accelerate_tangent(
+                bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, net_tangent,
+                END, t + h, piece,
+            )  # fmt: skip
+    while times[due] + RESOLUTION * step < t + h:
+        write_between(state, tangent, values, tangents, due, (times[due] - t) / h, h)
+        due += 1
     for i in range(state.shape[1]):
         state[START, i] = state[END, i]
+        for c in range(tangent.shape[2]):
+            tangent[START, i, c] = tangent[END, i, c]
     settle(bodies, state)
+    return due
 
 
 @compiled
 def integrate(
-    times, step, bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, net_tangent,
-    values, tangents, history,
+    times, stops, step, bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent,
+    net_tangent, values, tangents, history,
 ):  # fmt: skip
-    """Run from t = 0 through `times`; returns how it ended, the joint concerned, the time and the number of steps."""
-    t, since, crossings, k, piece, s = 0.0, 0.0, 0, START, START, START
+    """Run from t = 0 through `times`; returns how it ended, the joint concerned, the time and the number of steps.
+
+    Steps end at `stops`, of which the last is that of `times`.
+    """
+    t, since, crossings, k, m, piece, s = 0.0, 0.0, 0, START, START, START, START
     crossing, ahead, guard, culprit = True, 0.0, math.inf, NONE
     begin(bodies, joints, state, tangent, joint_tangent, net_tangent)
     choose_branches(bodies, joints, functions, parameters, state, ahead)
@@ -165,7 +189,7 @@ def integrate(
             )  # fmt: skip
         if guard == -math.inf or crossings > MAX_CROSSINGS:
             return NOT_FINITE if guard == -math.inf or ahead > 0.0 else NO_PROGRESS, culprit, t, s
-        if tangent.shape[2] > 0:
+        if tangent.shape[2] > 0 and (changing or AXES == 3):
             accelerate_tangent(
                 bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, net_tangent,
                 START, t, piece,
@@ -182,20 +206,20 @@ def integrate(
             s += 1
         if k == times.size:
             return DONE, NONE, t, s
+        while stops[m] - t <= RESOLUTION * step:
+            m += 1
         blind = crossings > PATIENCE + joints.size and is_smooth(bodies, state)
         crossings -= blind
         h, crossing, ahead, guard, culprit = choose_step(
-            bodies, joints, functions, parameters, given, state, t, piece, longest_step(times[k] - t, step), step, blind
+            bodies, joints, functions, parameters, given, state, t, piece, longest_step(stops[m] - t, step), step, blind
         )
         met = meeting(joints)
         if met != NONE:
             return MEETING, met, t, s
-        if tangent.shape[2] > 0:
-            step_tangent(
-                bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, net_tangent,
-                t, piece, h,
-            )  # fmt: skip
-        go_on(bodies, state)
+        k = take_step(
+            times, k, step, bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent,
+            net_tangent, values, tangents, t, piece, h,
+        )  # fmt: skip
         t += h
         if t - since > step:
             since, crossings = t, 0
@@ -204,7 +228,7 @@ def integrate(
 
 @compiled
 def integrate_many(
-    times, step, bodies, joints, functions, parameters, given, starts, state, columns, partials, tangent, joint_tangent,
+    times, stops, step, bodies, joints, functions, parameters, given, starts, state, columns, partials, tangent, joint_tangent,
     net_tangent, values, tangents, history, ends,
 ):  # fmt: skip
     """Many runs of one model; `ends` (run, 3) is how each ended, the joint concerned and the time."""
@@ -212,7 +236,7 @@ def integrate_many(
         for i in range(starts.shape[1]):
             state[START, i] = starts[r, i]
         status, culprit, t, s = integrate(
-            times, step, bodies[r], joints[r], functions, parameters[r], given, state, columns, partials, tangent,
+            times, stops, step, bodies[r], joints[r], functions, parameters[r], given, state, columns, partials, tangent,
             joint_tangent, net_tangent, values[r], tangents, history,
         )  # fmt: skip
         ends[r, 0] = status

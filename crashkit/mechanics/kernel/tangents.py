@@ -208,7 +208,7 @@ def accelerate_tangent(
 def step_tangent(
     bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, net_tangent, t, piece, h
 ):
-    """The derivative of the Runge-Kutta step whose stages `state` holds; START moves to its end."""
+    """The derivative of the Runge-Kutta step whose stages `state` holds, into the row END."""
     size = state.shape[1] // 2
     for row in range(1, 4):
         part = h if row == 3 else 0.5 * h
@@ -223,8 +223,9 @@ def step_tangent(
     for i in range(size):
         for c in range(tangent.shape[2]):
             inner = tangent[1, size + i, c] + tangent[2, size + i, c]
-            tangent[START, i, c] += h / 6.0 * (tangent[START, size + i, c] + 2.0 * inner + tangent[3, size + i, c])
-    to_rotations(bodies, state, tangent, START, END)
+            slope = (tangent[START, size + i, c] + 2.0 * inner + tangent[3, size + i, c]) / 6.0
+            tangent[END, i, c] = tangent[START, i, c] + h * slope
+    to_rotations(bodies, state, tangent, END, END)
 
 
 @compiled
