@@ -51,8 +51,8 @@ class RepeatedRun:
         self._layout = prepare(simulator.layout, values or {}, initial)
         self._places = [self._layout.place(path) for path in paths]
         self._is_structural = any(name != "parameters" for name, _ in self._places)
-        self._stops = with_knots(times if stops is None else np.union1d(stops, times[-1:]), self._layout)
-        self._instants = times if stops is not None else self._stops
+        self.stops = with_knots(times if stops is None else np.union1d(stops, times[-1:]), self._layout)
+        self._instants = times if stops is not None else self.stops
         self._rows = np.searchsorted(self._instants, times)
         self._arrays: dict[bool, tuple[Work, Work]] = {}
         self._blank: dict[tuple[str, ...], xr.Dataset] = {}
@@ -68,7 +68,7 @@ class RepeatedRun:
         work = self._begin(sensitivities)
         record = _room(work, len(self._layout.axes), self._instants.size)
         integrate = self._simulator.engine.module.integrate
-        status, joint, t, _ = integrate(self._instants, self._stops, self._step, *work, *record, NO_HISTORY)
+        status, joint, t, _ = integrate(self._instants, self.stops, self._step, *work, *record, NO_HISTORY)
         if status != DONE:
             raise SimulationError(self._simulator.sentence(status, joint, t))
         if self._instants is self.times:

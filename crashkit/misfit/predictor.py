@@ -58,6 +58,12 @@ class Predictor:
         """s, the usual time between two instants that something is read at, in the run where that is least."""
         return min((float(np.median(np.diff(times))) for times in self._times.values() if len(times) > 1), default=self.step)
 
+    @property
+    def longest_step(self) -> float:
+        """s, the longest time between two instants at which steps end; none is longer, whatever is asked for."""
+        stops = {run: repeated.stops for run, repeated in self._runs.items()}
+        return max((float(np.max(np.diff(ends, prepend=0.0))) for ends in stops.values()), default=self.step)
+
     def motion(self, run: str, values: Mapping[str, float], sensitivities: bool = False) -> xr.Dataset:
         """The simulated motion of one run at every instant that one of its instruments reads."""
         wanted = self._structural if sensitivities else ()

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from crashkit.errors import SimulationError
-from crashkit.misfit import Misfit, fine_step
+from crashkit.misfit import Misfit, bears_step, fine_step, predictor
 from crashkit.misfit.coarse import COARSER
-from crashkit.misfit.fine_step import LITTLE
+from crashkit.misfit.fine_step import LITTLE, LONGEST, STRIDE
 from crashkit.misfit.predictor import STEP
 
 
@@ -36,27 +36,30 @@ def seldom(recorded, model, misfit):
     return read
 
 
-def test_a_slow_model_keeps_the_usual_step(seldom):
-    assert fine_step(seldom(1.0)) == STEP
+def test_a_slow_model_is_simulated_in_steps_of_a_few_instants(recorded, model, misfit):
+    slow = misfit(model, run=recorded(model, interval=2e-4))
+    assert fine_step(slow) == STRIDE * slow.predictor.usual_gap == pytest.approx(8e-4)
+
+
+def test_steps_that_readings_cut_short_anyway_are_asked_for_no_longer(seldom, monkeypatch):
+    """A longer one would be as good as a third of it, and say nothing."""
+    monkeypatch.setattr(predictor, "readout_of", lambda *_: None)
+    read = seldom(3e3)
+    assert read.predictor.longest_step == pytest.approx(5e-3)
+    assert error(read, fine_step(read)) < 1.5 * LITTLE < error(read, 5e-3)
 
 
 @pytest.mark.parametrize("factor", [3e3, 3e4])
-def test_a_fast_model_gets_a_step_whose_error_is_below_the_noise(seldom, factor):
-    misfit = seldom(factor)
-    step = fine_step(misfit)
-    assert step < STEP
-    assert error(misfit, STEP) > LITTLE
-    assert error(misfit, step) < LITTLE
-
-
-def test_what_is_read_often_is_still_read_between_in_steps_as_short_as_the_noise_asks(recorded, model, misfit):
-    """Halving a step that the readings cut short anyway changes nothing, and says nothing."""
-    fast, interval = stiff(model, 3e4), 2e-4
+@pytest.mark.parametrize("interval", [5e-3, 2e-4])
+def test_a_fast_model_gets_a_step_whose_error_is_little_beside_the_noise(recorded, model, misfit, factor, interval):
+    """Whether its readings are seldom or so often that several lie within a step."""
+    fast = stiff(model, factor)
     read = misfit(fast, run=recorded(fast, interval=interval, end=0.1))
     step = fine_step(read)
-    assert step < interval < STEP
-    assert error(read, STEP) > LITTLE
-    assert error(read, step) < LITTLE
+    assert step < min(STRIDE * interval, LONGEST)
+    assert error(read, min(STRIDE * interval, LONGEST)) > LITTLE
+    assert error(read, step) < 1.5 * LITTLE
+    assert bears_step(read.with_step(step)) and not bears_step(read.with_step(20.0 * step))
 
 
 @pytest.mark.parametrize("factor", [1.0, 3e3, 3e4])
@@ -65,12 +68,12 @@ def test_few_instants_of_densely_sampled_readings_are_simulated_to_their_noise(r
     fast = stiff(model, factor)
     coarse = misfit(fast, run=recorded(fast, interval=1e-4, end=0.1)).coarse
     assert error(coarse, coarse.step) < 1.0
-    assert (error(coarse, COARSER * STEP) > 1.0) == (factor > 1e4)
+    assert (error(coarse, COARSER * STEP) > 1.0) == (factor > 1.0)
 
 
-def test_a_model_that_cannot_be_simulated_keeps_its_step(seldom, monkeypatch):
+def test_a_model_that_cannot_be_simulated_gets_a_short_step(seldom, monkeypatch):
     def fail(self, scaled):
         raise SimulationError("the motion is not finite")
 
     monkeypatch.setattr(Misfit, "residual", fail)
-    assert fine_step(seldom(3e4)) == STEP
+    assert fine_step(seldom(3e4)) < STEP

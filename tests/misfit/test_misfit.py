@@ -98,11 +98,14 @@ def test_what_is_read_without_a_motion_is_what_the_observer_says_of_it(
     wrong = with_errors(wrong, instrument, "", clock_offset=3e-4, clock_rate=-1e-3)
     told = []
     for _ in range(2):
-        one = misfit(wrong, run=run)
+        one = misfit(wrong, run=run).with_step(2e-5)
         told.append((one.residual(one.start()), *one.residual_and_jacobian(one.start())))
         monkeypatch.setattr(predictor, "readout_of", lambda *_: None)
-    for without, of_motion in zip(*told, strict=True):
-        np.testing.assert_allclose(without, of_motion, rtol=1e-9, atol=1e-9 * np.abs(of_motion).max())
+    (*without, slopes), (*of_motion, others) = told
+    for one, other in zip(without, of_motion, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-6, atol=1e-6 * np.abs(other).max())
+    # Where the force stays the same, the way that hysteresis goes is one of rounding.
+    np.testing.assert_allclose(slopes, others, rtol=1e-6, atol=3e-4 * np.abs(others).max())
 
 
 def assert_jacobian(problem, step, accuracy):

@@ -36,6 +36,8 @@ MAX_CROSSINGS = 1000
 """Within the time of one longest step, where forces jump."""
 PATIENCE = 100
 """Crossings within that time, and one more for each joint, after which corners are taken for rounding if no force jumps."""
+ROUNDED = 1e-9
+"""Of the longest step: what is asked for no further before the end of a step is what its end was to be."""
 BLIND = 1e-3
 """Of a step that does not look for corners, relative to the longest step."""
 
@@ -144,18 +146,18 @@ def take_step(
     net_tangent, values, tangents, t, piece, h,
 ):  # fmt: skip
     """The end of a step becomes the start of the next; returns the next of the times, after those that lie within it."""
-    due = k
+    due, end = k, t + h - ROUNDED * step
     if tangent.shape[2] > 0:
         step_tangent(
             bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, net_tangent,
             t, piece, h,
         )  # fmt: skip
-        if AXES < 3 or times[k] + RESOLUTION * step < t + h:
+        if AXES < 3 or times[k] < end:
             accelerate_tangent(
                 bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, net_tangent,
                 END, t + h, piece,
             )  # fmt: skip
-    while times[due] + RESOLUTION * step < t + h:
+    while due < times.size and times[due] < end:
         write_between(state, tangent, values, tangents, due, (times[due] - t) / h, h)
         due += 1
     for i in range(state.shape[1]):
@@ -206,7 +208,7 @@ def integrate(
             s += 1
         if k == times.size:
             return DONE, NONE, t, s
-        while stops[m] - t <= RESOLUTION * step:
+        while stops[m] <= t:
             m += 1
         blind = crossings > PATIENCE + joints.size and is_smooth(bodies, state)
         crossings -= blind
