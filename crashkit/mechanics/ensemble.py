@@ -137,9 +137,9 @@ def _integrate(
         work = work_of(base, simulator.engine, ())
         own = records[part].copy(), ends[part].copy()
         simulator.engine.module.integrate_many(
-            times.copy(), times.copy(), step, bodies[part].copy(), joints[part].copy(), work.functions, layout.parameters[part].copy(),
-            work.given.copy(), starts[part].copy(), work.state, work.columns, work.partials, work.tangent, work.joint_tangent,
-            work.net_tangent, own[0], empty.tangents.copy(), NO_HISTORY.copy(), own[1],
+            times.copy(), times.copy(), step, bodies[part].copy(), joints[part].copy(), work.functions,
+            layout.parameters[part].copy(), work.given.copy(), starts[part].copy(), work.state, work.columns, work.partials,
+            work.tangent, work.joint_tangent, work.net_tangent, own[0], empty.tangents.copy(), NO_HISTORY.copy(), own[1],
         )  # fmt: skip
         records[part], ends[part] = own
 

@@ -26,7 +26,7 @@ class OutrunError(Exception):
 
 
 def check_pace(inquiry: Inquiry, found: Rival) -> None:
-    """Raises OutrunError where most of what a finding leaves above the noise was made by thinning, or a step is too long for it.
+    """Raises OutrunError where most of what a finding leaves above the noise was made by thinning, or by steps too long.
 
     One about readings, as of a sensor that rings, may leave nothing of the means, which hardly show it: its rate decides.
     """
