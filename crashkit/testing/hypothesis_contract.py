@@ -28,7 +28,7 @@ class HypothesisContract:
         accuracy: of what the instruments read where the physics is absent, in standard deviations.
     """
 
-    accuracy = 1e-6
+    accuracy = 1e-5
 
     @pytest.fixture
     def hypothesis(self) -> Hypothesis:

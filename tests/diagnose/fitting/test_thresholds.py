@@ -15,7 +15,7 @@ def fit(workshop, model, misfit, recorded):
     """A fit of recordings of the model, begun where that threshold has another value than it has."""
 
     def of(threshold):
-        here = misfit(model, slow=recorded(model, 0.9, 1), fast=recorded(model, 1.2, 2))
+        here = misfit(model, slow=recorded(model, 0.9, 3), fast=recorded(model, 1.2, 4))
         return begin(workshop.identifier, here.with_values({THRESHOLD: threshold})).advance(60)
 
     return of
@@ -54,7 +54,7 @@ def test_waking_ends_where_it_hardly_gains(fit, workshop, monkeypatch, share, ti
 
 def test_where_the_given_threshold_is_asleep_that_of_a_fit_is_taken(model, misfit, recorded, workshop):
     true = model.free_parameters()[THRESHOLD].value
-    fitted = begin(workshop.identifier, misfit(model, slow=recorded(model, 0.9, 1), fast=recorded(model, 1.2, 2))).advance(20)
+    fitted = begin(workshop.identifier, misfit(model, slow=recorded(model, 0.9, 3), fast=recorded(model, 1.2, 4))).advance(20)
     known = fitted.misfit.values(fitted.point)[THRESHOLD]
     far, near = (fitted.misfit.with_values({THRESHOLD: factor * true}) for factor in (5.0, 1.1))
     taken = [awake(workshop, given, fitted) for given in (far, near)]

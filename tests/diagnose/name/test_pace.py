@@ -18,7 +18,7 @@ from crashkit.protocols import Proposal
 
 def leaving(normalised, misfit=None):
     """A fit that leaves so much."""
-    return SimpleNamespace(normalised=normalised, excess=normalised**2 - 1.0, misfit=misfit)
+    return SimpleNamespace(normalised=normalised, excess=normalised**2 - 1.0, misfit=misfit, fitted=lambda: misfit)
 
 
 def claim(normalised, physics="joint_friction"):
@@ -31,8 +31,9 @@ def claim(normalised, physics="joint_friction"):
 def finer(monkeypatch):
     """An inquiry into recordings that, thinned in the light of any claim, leave so much of it."""
 
-    def finer(normalised, recorded=("run",)):
+    def finer(normalised, recorded=("run",), bears=True):
         monkeypatch.setattr(pace, "sharpened", lambda *_: leaving(normalised))
+        monkeypatch.setattr(pace, "bears_step", lambda misfit: bears)
         return SimpleNamespace(
             workshop=SimpleNamespace(equipped=lambda models: None), given=SimpleNamespace(model=None), unthinned=recorded
         )
@@ -46,6 +47,12 @@ def test_a_claim_that_finer_recordings_explain_has_outrun_the_others(finer, left
     with pytest.raises(OutrunError, match="joint_friction") as caught:
         check_pace(finer(then), claim(left))
     assert caught.value.found.search.normalised == then
+
+
+def test_a_claim_for_which_steps_are_too_long_is_judged_in_shorter_ones(finer):
+    with pytest.raises(OutrunError, match="joint_friction") as caught:
+        check_pace(finer(1.16, bears=False), claim(1.16))
+    assert caught.value.found.search.normalised == 1.16
 
 
 @pytest.mark.parametrize(
