@@ -61,8 +61,7 @@ class Predictor:
     @property
     def longest_step(self) -> float:
         """s, the longest time between two instants at which steps end; none is longer, whatever is asked for."""
-        stops = {run: repeated.stops for run, repeated in self._runs.items()}
-        return max((float(np.max(np.diff(ends, prepend=0.0))) for ends in stops.values()), default=self.step)
+        return max((float(np.max(np.diff(run.stops, prepend=0.0))) for run in self._runs.values()), default=self.step)
 
     def motion(self, run: str, values: Mapping[str, float], sensitivities: bool = False) -> xr.Dataset:
         """The simulated motion of one run at every instant that one of its instruments reads."""

@@ -104,7 +104,7 @@ def test_what_is_read_without_a_motion_is_what_the_observer_says_of_it(
     (*without, slopes), (*of_motion, others) = told
     for one, other in zip(without, of_motion, strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-6, atol=1e-6 * np.abs(other).max())
-    # Where the force stays the same, the way that hysteresis goes is one of rounding.
+    # To a clock, which differentiates what was read, they differ by 1e-4 of the largest, however short the steps.
     np.testing.assert_allclose(slopes, others, rtol=1e-6, atol=3e-4 * np.abs(others).max())
 
 
