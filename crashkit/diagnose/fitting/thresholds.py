@@ -12,8 +12,9 @@ from crashkit.errors import SimulationError
 from crashkit.misfit import Misfit
 from crashkit.model import Model
 
-REACHED = (0.9, 0.7, 0.5)
-"""Of the largest that its joint comes to: where a threshold is begun again."""
+REACHED = ({"deformation": 0.9, "force": 0.8}, {"deformation": 0.7, "force": 0.6}, {"deformation": 0.5, "force": 0.4})
+"""Of the largest that its joint comes to: where a threshold is begun again. Of a joint that was elastic throughout, a force and
+a deformation at the same share are reached at one instant, and then one of the two has no derivative."""
 PLAINLY = 1e-3
 """Share by which a threshold must lower what is left for others to be begun again from there: some end a little lower every
 time, without end."""
@@ -55,7 +56,8 @@ def _lower(workshop: Workshop, search: Search) -> Iterator[dict[str, float]]:
     asleep = [path for path in _asleep(search) if path in places]
     largest = _largest(search) if asleep else {}
     for share in REACHED:
-        lower = {path: share * largest[places[path]] for path in asleep if 0.0 < share * largest[places[path]] < values[path]}
+        begun = {path: share[places[path][1]] * largest[places[path]] for path in asleep}
+        lower = {path: value for path, value in begun.items() if 0.0 < value < values[path]}
         yield from ({path: value} for path, value in lower.items())
         if len(lower) > 1:
             yield lower

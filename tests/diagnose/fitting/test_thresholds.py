@@ -15,7 +15,7 @@ def fit(workshop, model, misfit, recorded):
     """A fit of recordings of the model, begun where that threshold has another value than it has."""
 
     def of(threshold):
-        here = misfit(model, slow=recorded(model, 0.9, 3), fast=recorded(model, 1.2, 4))
+        here = misfit(model, slow=recorded(model, 0.9, 1), fast=recorded(model, 1.2, 2))
         return begin(workshop.identifier, here.with_values({THRESHOLD: threshold})).advance(60)
 
     return of
