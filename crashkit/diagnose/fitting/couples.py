@@ -7,27 +7,19 @@ from attrs import evolve, frozen
 
 from crashkit.campaign import spread
 from crashkit.diagnose.claims import Progress, identity, price_of, proposed_again
-from crashkit.diagnose.fitting.evidence import explains
-from crashkit.diagnose.fitting.promises import Led, led, promising_couples
-from crashkit.diagnose.fitting.regress import OPENING, End, regression, simulated
+from crashkit.diagnose.fitting.promises import Led
+from crashkit.diagnose.fitting.regress import OPENING, regression, simulated
 from crashkit.diagnose.fitting.search import Search, advance_all, begin_all
-from crashkit.diagnose.result import UNKNOWN
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
 
-TRIED = 24
-"""Couples that are regressed; of each two claims one in the forms that promise most."""
 NEAR = 1.5
 """Times what the best couple leaves of the equations: among those that leave no more, a few steps of simulation choose."""
 SCOUTING = 8
 """So many."""
 HEATS = ((6, 10), (2, 60))
 """How many are simulated at length, and how many more steps each gets."""
-HOPEFUL = 0.5
-"""Of what a single claim leaves above the noise: two that leave less may leave next to nothing in other forms."""
-LEADING = 2
-"""How many couples are then tried in these."""
 
 
 @frozen
@@ -45,33 +37,13 @@ class Couple:
         return float(self.search.state.cost) + 0.5 * (price_of(self.first, samples) + price_of(self.second, samples))
 
 
-def coupled(
-    workshop: Workshop,
-    given: Misfit,
-    proposals: Sequence[Proposal],
-    ends: Sequence[End | None],
-    least: float,
-    progress: Progress,
-) -> list[Couple]:
-    """The couples of claims that, fitted together, leave least, the most evident first, each two claims once.
-
-    The first of two gross causes that is asked for alone has to make do for both, and drives the model's numbers where no
-    second one is found. Along the measured motion what two of them leave together is known from what each does alone, to
-    first order, so all couples can be asked.
+def coupled(workshop: Workshop, given: Misfit, couples: Sequence[tuple[Led, Led]], progress: Progress) -> list[Couple]:
+    """Those of these that leave least of the equations, fitted together, the most evident first.
 
     Arguments:
         given: the misfit of the model without them, at the values that the user gave.
-        ends: where short regressions have led each proposal.
-        least: what a single claim leaves above the noise.
     """
-    known = [(p, end) for p, end in zip(proposals, ends, strict=True) if end is not None and p.physics != UNKNOWN]
-    claims = led(workshop, given, known)
-    progress(f"regressing the equations of motion for couples of {len(claims)} claims", 0.0)
-    couples = _simulated(workshop, _begun(workshop, given, promising_couples(claims, TRIED)), progress)
-    if couples and couples[0].search.excess < HOPEFUL * least and not explains(couples[0].search):
-        forms = [two for couple in couples[:LEADING] for two in _with_other_forms(couple, claims)]
-        couples = [*couples, *_simulated(workshop, _begun(workshop, given, forms), progress)]
-    return each_once(couples)
+    return _simulated(workshop, _begun(workshop, given, couples), progress)
 
 
 def in_heats(couples: Sequence[Couple], heats: Sequence[tuple[int | None, int]]) -> list[Couple]:
@@ -95,6 +67,16 @@ def each_once(couples: Sequence[Couple]) -> list[Couple]:
     for couple in sorted(couples, key=lambda couple: couple.cost):
         best.setdefault(frozenset((identity(couple.first), identity(couple.second))), couple)
     return list(best.values())
+
+
+def with_other_forms(couple: Couple, claims: Sequence[Led]) -> list[tuple[Led, Led]]:
+    """Every other form of the one claim with the other as it is: of a form that is off, the other has to make up for that."""
+    firsts, seconds = (
+        [one for one in claims if identity(one.proposal) == identity(claim)] for claim in (couple.first, couple.second)
+    )
+    forms = couple.first.form, couple.second.form
+    pairs = [(first, second) for first in firsts for second in seconds]
+    return [(one, two) for one, two in pairs if (one.proposal.form == forms[0]) != (two.proposal.form == forms[1])]
 
 
 @frozen(eq=False)
@@ -158,13 +140,3 @@ def _ahead(workshop: Workshop, begun: Sequence[_Begun], count: int) -> Sequence[
     searches = advance_all(begin_all(workshop.identifier, [one.misfit for one in near]), SCOUTING)
     order = sorted(range(len(near)), key=lambda one: searches[one].state.cost + near[one].price)
     return [near[one] for one in order[:count]]
-
-
-def _with_other_forms(couple: Couple, claims: Sequence[Led]) -> list[tuple[Led, Led]]:
-    """Every other form of the one claim with the other as it is: of a form that is off, the other has to make up for that."""
-    firsts, seconds = (
-        [one for one in claims if identity(one.proposal) == identity(claim)] for claim in (couple.first, couple.second)
-    )
-    forms = couple.first.form, couple.second.form
-    pairs = [(first, second) for first in firsts for second in seconds]
-    return [(one, two) for one, two in pairs if (one.proposal.form == forms[0]) != (two.proposal.form == forms[1])]

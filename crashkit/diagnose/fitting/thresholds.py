@@ -13,8 +13,8 @@ from crashkit.misfit import Misfit
 from crashkit.model import Model
 
 REACHED = ({"deformation": 0.9, "force": 0.8}, {"deformation": 0.7, "force": 0.6}, {"deformation": 0.5, "force": 0.4})
-"""Of the largest that its joint comes to: where a threshold is begun again. Of a joint that was elastic throughout, a force and
-a deformation at the same share are reached at one instant, and then one of the two has no derivative."""
+"""Of the largest that its joint comes to: where a threshold is begun again. Of a joint that was elastic throughout, a force
+and a deformation at the same share are reached at one instant, and then one of the two has no derivative."""
 PLAINLY = 1e-3
 """Share by which a threshold must lower what is left for others to be begun again from there: some end a little lower every
 time, without end."""

@@ -235,4 +235,4 @@ def _first_look(inquiry: Inquiry, near: Look) -> tuple[Search, Look]:
     if gained < TIE:
         return base, look
     is_plain = look.winner.drop > gained + NEEDED
-    return better, look if is_plain else look_again(inquiry, better.fitted(), [])
+    return better, look if is_plain else look_again(evolve(inquiry, base=better), better.fitted(), [])

@@ -1,15 +1,13 @@
-"""Two causes at once, of those that lead alone or of all: together they may leave nothing, where each alone leaves much."""
+"""Two causes at once, of those that lead alone: together they may leave nothing, where each alone leaves much."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 
 from crashkit.diagnose.claims import proposed_again
-from crashkit.diagnose.fitting.couples import Couple, coupled, each_once, in_heats
+from crashkit.diagnose.fitting.couples import Couple, each_once, in_heats
 from crashkit.diagnose.fitting.evidence import Rival, is_unknown
-from crashkit.diagnose.fitting.regress import opened
-from crashkit.diagnose.fitting.search import Search, begin
+from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import open_claims
 from crashkit.misfit import Misfit
 
 HEATS = ((None, 6), (4, 6), (2, 40))
@@ -20,22 +18,6 @@ def coupled_leaders(inquiry: Inquiry, leaders: Sequence[Rival]) -> list[Couple]:
     """The couples of claims that lead a look, the most evident first."""
     inquiry.progress(f"fitting {len(leaders)} claims beside each other", 0.0)
     return each_once(in_heats(list(_begun(inquiry, leaders)), HEATS))
-
-
-def couples_from_given(inquiry: Inquiry, alone: Search) -> list[Couple]:
-    """The couples of all causes, as the equations of motion tell them from the values that the user gave.
-
-    Where one of two causes does for most of both, it leads alone, and those that lead next only do for its form.
-
-    Arguments:
-        alone: the fit with the best of them.
-    """
-    current = inquiry.base.fitted()
-    given = current.with_values_of(inquiry.given)
-    plain = [proposal for proposal in open_claims(inquiry, current, []) if not proposal.refined]
-    equipped = inquiry.workshop.equipped([proposal.model for proposal in plain])
-    ends = opened(equipped, given, plain, inquiry.progress)
-    return coupled(equipped, given, plain, ends, alone.excess, inquiry.progress)
 
 
 def _begun(inquiry: Inquiry, leaders: Sequence[Rival]) -> Iterator[Couple]:

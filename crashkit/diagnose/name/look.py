@@ -1,15 +1,14 @@
 """One look at what a model leaves: every hypothesis that has not been found already is fitted to it and weighed."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 
-import numpy as np
 from attrs import evolve, field, frozen
 
-from crashkit.diagnose.claims import accuses_instrument, identity, propose_all
+from crashkit.diagnose.claims import accuses_instrument, identity
 from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import UNEXPLAINED, Rival, best_forms, explains, probabilities
-from crashkit.diagnose.name.inquiry import Inquiry
+from crashkit.diagnose.name.inquiry import Inquiry, claims_from_given, open_claims
 from crashkit.diagnose.name.rivals import Limit, further_rivals, nearest_rivals, standing
 from crashkit.misfit import Misfit
 from crashkit.model import Model
@@ -103,19 +102,13 @@ def look_again(
         ranked, limits = list(begun.rivals), list(begun.limits)
     if not quick:
         afresh = not found or concerns is not None
-        given = current.with_values_of(inquiry.given)
-        further = further_rivals(equipped, current, given, proposals, ranked, afresh, inquiry.progress)
+        # Without a finding, the current numbers are those of the inquiry.
+        claims = claims_from_given(inquiry, current, proposals) if found or concerns is not None else inquiry.from_given
+        further = further_rivals(equipped, current, claims, proposals, ranked, afresh, inquiry.progress)
         ranked, couples = list(further.rivals), tuple(further.couples)
     best = best_forms(ranked)
     look = Look.of(best, current, len({identity(p) for p in proposals}))
     return evolve(look, least=least, limits=tuple(limits), couples=couples)
-
-
-def open_claims(inquiry: Inquiry, current: Misfit, found: Sequence[Rival]) -> list[Proposal]:
-    """Every hypothesis at every place of the given model, built on the current one, that has not been found already."""
-    known = {rival.identity for rival in found}
-    proposals, model = propose_all(inquiry.workshop, current), inquiry.given.model
-    return [p for p in proposals if identity(p) not in known and is_given(model, p.location)]
 
 
 def least_drop(found: Sequence[Rival]) -> float:
@@ -134,15 +127,6 @@ def _is_exact(proposal: Proposal) -> bool:
 def _least_of(proposal: Proposal, least: float) -> float:
     """What this claim must explain where `least` is asked of one about the structure."""
     return max(LEAST_DROP, READINGS * least) if accuses_instrument(proposal) else least
-
-
-def is_given(model: Model, location: Mapping[str, object]) -> bool:
-    """What a finding has added is not itself a place for further physics."""
-    bodies, joints = {body.name for body in model.bodies}, {joint.name for joint in model.joints}
-    named = {"joint": joints, "body": bodies, "bodies": bodies}
-    return all(
-        set(np.ravel(np.asarray(location[kind])).tolist()) <= known for kind, known in named.items() if kind in location
-    )
 
 
 def compared(look: Look, rivals: Sequence[Rival]) -> Look:

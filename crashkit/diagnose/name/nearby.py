@@ -10,7 +10,7 @@ from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.follow import Discovery, followed
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.leaders import coupled_leaders, couples_from_given
+from crashkit.diagnose.name.leaders import coupled_leaders
 from crashkit.diagnose.name.look import FORM_ERRORS, Look, compared, look_again
 from crashkit.diagnose.name.pace import check_pace
 from crashkit.diagnose.name.pairs import both
@@ -79,11 +79,11 @@ def _two_at_once(inquiry: Inquiry, near: Look, alone: Search) -> Discovery | Non
 
 def _couples(inquiry: Inquiry, near: Look, alone: Search) -> Iterator[list[Couple]]:
     """Those of the leading causes, those that estimates point to, and those of all where one alone does for most of what was
-    left: else these are asked later, after each alone."""
+    left, as the others that lead then only do for its form: else these are asked later, after each alone."""
     yield coupled_leaders(inquiry, [rival for rival in near.rivals if not is_unknown(rival)][:LEADERS])
     yield couples_at_two_places(inquiry, near, alone)
     if alone.excess < FOLLOWED * inquiry.base.excess:
-        yield couples_from_given(inquiry, alone)
+        yield inquiry.from_given.couples(alone.excess)
 
 
 def _are_all(couples: Sequence[Couple], alone: Search) -> bool:

@@ -8,9 +8,9 @@ from attrs import frozen
 from crashkit.diagnose.claims import Progress, Start, first_of_each, identity, is_same
 from crashkit.diagnose.fitting.candidates import Candidate
 from crashkit.diagnose.fitting.contest import GROWING, heats, promising, scores, scouted
-from crashkit.diagnose.fitting.couples import Couple, coupled
+from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import FLOOR, STRAINED, Rival, explains, is_strained, ranked_by_evidence
-from crashkit.diagnose.fitting.regress import opened, regressed
+from crashkit.diagnose.fitting.from_given import FromGiven
 from crashkit.diagnose.fitting.reidentify import scattered
 from crashkit.diagnose.fitting.score import Score
 from crashkit.diagnose.fitting.search import begin
@@ -111,7 +111,7 @@ def _ahead(workshop: Workshop, base: Misfit, chosen: Sequence[Start], progress: 
 def further_rivals(
     workshop: Workshop,
     base: Misfit,
-    given: Misfit,
+    from_given: FromGiven,
     proposals: Sequence[Proposal],
     nearest: Sequence[Rival],
     afresh: bool,
@@ -121,7 +121,7 @@ def further_rivals(
 
     Arguments:
         base, proposals, progress: as for `nearest_rivals`.
-        given: the misfit of the same model at the values that the user gave.
+        from_given: the plain ones of these claims at the values that the user gave.
         nearest: what that found.
         afresh: whether to look from the given values, where the base may hide physics.
     """
@@ -129,12 +129,11 @@ def further_rivals(
     fitted = [Candidate(rival.proposal, rival.search) for rival in nearest]
     couples: list[Couple] = []
     if afresh and may_conceal(base) and not _any_explains(fitted):
-        plain = [proposal for proposal in proposals if not proposal.refined]
-        found, couples = _from_given(workshop, given, plain, astray, progress)
+        found, couples = _from_given(from_given, astray)
         fitted += found
     ranked = ranked_by_evidence(fitted, deviance)
     if ranked and not couples:
-        fitted += _polished(workshop, given, ranked, proposals, astray, progress)
+        fitted += _polished(workshop, from_given.given, ranked, proposals, astray, progress)
     return Further(ranked_by_evidence(fitted, deviance), couples)
 
 
@@ -155,22 +154,20 @@ def _astray(workshop: Workshop, base: Misfit) -> float:
     return float(begin(workshop.identifier, base.coarse).state.cost)
 
 
-def _from_given(
-    workshop: Workshop, given: Misfit, proposals: Sequence[Proposal], astray: float, progress: Progress
-) -> tuple[list[Candidate], list[Couple]]:
+def _from_given(claims: FromGiven, astray: float) -> tuple[list[Candidate], list[Couple]]:
     """Claims from the values that the user gave: along the measured motion, and where none explains everything, couples of
     them, and those that it says nothing about simulated.
     """
-    ends = opened(workshop, given, proposals, progress)
-    found = regressed(workshop, given, proposals, ends, progress)
+    workshop, given, progress = claims.workshop, claims.given, claims.progress
+    found = claims.singles
     known = [search for proposal, search in found if proposal.physics != UNKNOWN]
     if any(search.normalised <= FLOOR and not is_strained(search) for search in known):
         return found, []
     least = min((search.excess for _, search in found), default=np.inf)
-    couples = coupled(workshop, given, proposals, ends, least, progress)
+    couples = claims.couples(least)
     if couples and couples[0].search.excess < COUPLED * least:
         return found, couples
-    rest = [proposal for proposal, end in zip(proposals, ends, strict=True) if end is None]
+    rest = [proposal for proposal, end in zip(claims.proposals, claims.ends, strict=True) if end is None]
     rough = promising(scores(workshop, given.coarse, rest, np.inf, progress), STARTS, lambda _: LEAST_PROMISE)
     begun = scouted(workshop, given, rough, GROWING, HEATS[0][0], astray, progress)
     return [*found, *heats(begun, HEATS, progress)], []

@@ -7,8 +7,8 @@ from crashkit.diagnose.fitting.candidates import begin_candidates
 from crashkit.diagnose.fitting.contest import heats
 from crashkit.diagnose.fitting.evidence import FLOOR, Rival, best_forms, by_evidence, explains, is_unknown, ranked_by_evidence
 from crashkit.diagnose.name.forms import in_all_forms
-from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Look, compared, open_claims
+from crashkit.diagnose.name.inquiry import Inquiry, open_claims
+from crashkit.diagnose.name.look import Look, compared
 from crashkit.diagnose.name.rivals import CONCEALED, HEATS
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.protocols import Proposal

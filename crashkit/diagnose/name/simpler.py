@@ -9,8 +9,8 @@ from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import Rival, is_unknown
 from crashkit.diagnose.name.follow import TIE, Discovery
 from crashkit.diagnose.name.forms import with_form
-from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Look, open_claims
+from crashkit.diagnose.name.inquiry import Inquiry, open_claims
+from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.name.pairs import both
 
 MANY = 4

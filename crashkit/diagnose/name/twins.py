@@ -13,7 +13,8 @@ from crashkit.diagnose.fitting.rebuild import rebuild
 from crashkit.diagnose.fitting.search import Search, begin
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.forms import with_form
-from crashkit.diagnose.name.look import Look, is_given
+from crashkit.diagnose.name.inquiry import is_given
+from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.result import own_name
 from crashkit.diagnose.workshop import Workshop
 from crashkit.model import Model

@@ -10,8 +10,8 @@ from crashkit.diagnose.fitting.evidence import best_forms, ranked_by_evidence
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.follow import MOST_FINDINGS, Discovery, is_estimated
 from crashkit.diagnose.name.forms import SHARES, along, with_form
-from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Look, open_claims
+from crashkit.diagnose.name.inquiry import Inquiry, open_claims
+from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.result import UNKNOWN
 from crashkit.misfit import Misfit
 

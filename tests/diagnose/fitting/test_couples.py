@@ -7,10 +7,11 @@ from attrs import evolve
 from crashkit.diagnose import name
 from crashkit.diagnose.claims import identity, propose_all
 from crashkit.diagnose.fitting import couples as of_couples
-from crashkit.diagnose.fitting.couples import Couple, coupled, each_once
+from crashkit.diagnose.fitting import from_given as of_claims
+from crashkit.diagnose.fitting.couples import Couple, coupled, each_once, with_other_forms
 from crashkit.diagnose.fitting.evidence import Rival
+from crashkit.diagnose.fitting.from_given import FromGiven
 from crashkit.diagnose.fitting.promises import led
-from crashkit.diagnose.fitting.regress import opened
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.name.pairs import both
@@ -52,15 +53,15 @@ def equipped(workshop, proposals):
 
 
 @pytest.fixture(scope="module")
-def ends(equipped, given, proposals):
-    """Where short regressions lead them."""
-    return opened(equipped, given, proposals, silent)
+def claims(equipped, given, proposals):
+    """Those from these values."""
+    return FromGiven(equipped, given, proposals, silent)
 
 
 @pytest.fixture(scope="module")
-def couples(equipped, given, proposals, ends):
+def couples(claims):
     """All couples of these claims."""
-    return coupled(equipped, given, proposals, ends, np.inf, silent)
+    return claims.couples(np.inf)
 
 
 def test_two_causes_are_found_together(couples):
@@ -70,6 +71,15 @@ def test_two_causes_are_found_together(couples):
     assert best.search.normalised == pytest.approx(1.0, abs=0.05)
     values = best.search.misfit.values(best.search.point)
     assert next(value for path, value in values.items() if path.endswith("damping")) == pytest.approx(6e3, rel=0.1)
+
+
+def test_what_takes_long_is_asked_once(claims, couples, monkeypatch):
+    """By a near look, and by a wide one that comes after it."""
+    for asked in ("opened", "regressed", "led", "coupled"):
+        monkeypatch.setattr(of_claims, asked, None)
+    again = claims.couples(0.0)
+    assert again[0] is couples[0]
+    assert len(again) <= len(couples)
 
 
 def test_no_couple_holds_one_claim_twice_and_none_comes_twice(couples):
@@ -131,15 +141,13 @@ def test_of_two_claims_in_two_forms_the_better_is_kept(couples):
     assert each_once([swapped, best, other]) == [best]
 
 
-def test_a_claim_in_a_form_that_is_off_is_found_in_the_right_one(equipped, given, proposals, ends, couples):
+def test_a_claim_in_a_form_that_is_off_is_found_in_the_right_one(equipped, given, proposals, claims, couples):
     """Of two claims the equations may favour one in a form beside which the recordings contradict them."""
-    known = [(p, end) for p, end in zip(proposals, ends, strict=True) if end is not None]
-    claims = led(equipped, given, known)
+    known = [(p, end) for p, end in zip(proposals, claims.ends, strict=True) if end is not None]
+    equations = led(equipped, given, known)
 
     def in_other_forms(couple):
-        return of_couples._simulated(
-            equipped, of_couples._begun(equipped, given, of_couples._with_other_forms(couple, claims)), silent
-        )
+        return coupled(equipped, given, with_other_forms(couple, equations), silent)
 
     wrong = in_other_forms(couples[0])[-1]
     assert wrong.search.normalised > 1.1

@@ -9,6 +9,7 @@ from attrs import evolve
 
 from crashkit.diagnose.claims import propose_all
 from crashkit.diagnose.fitting import regress
+from crashkit.diagnose.fitting.from_given import FromGiven
 from crashkit.diagnose.fitting.regress import AT_A_TIME, STEPS, opened, regressed, simulated
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name import rivals as naming
@@ -133,7 +134,7 @@ def test_only_what_has_no_equation_of_motion_is_simulated_from_the_given_values(
     proposals = claims(rough, "bias", "viscous_damping", "peak_load")  # none of which is the stop
     scored = []
     monkeypatch.setattr(naming, "scores", lambda *args: scored.extend(args[2]) or [])
-    further_rivals(workshop, rough, rough, proposals, [], True, silent)
+    further_rivals(workshop, rough, FromGiven(workshop, rough, proposals, silent), proposals, [], True, silent)
     assert {p.physics for p in scored} == {"bias"}
 
 
@@ -141,7 +142,8 @@ def test_all_are_simulated_where_no_motion_was_measured(workshop, rough, claims,
     unseen = evolve(workshop, starter=NoMotion())
     scored = []
     monkeypatch.setattr(naming, "scores", lambda *args: scored.extend(args[2]) or [])
-    further_rivals(unseen, rough, rough, claims(rough, "bias", "viscous_damping"), [], True, silent)
+    proposals = claims(rough, "bias", "viscous_damping")
+    further_rivals(unseen, rough, FromGiven(unseen, rough, proposals, silent), proposals, [], True, silent)
     assert {p.physics for p in scored} == {"bias", "viscous_damping"}
 
 

@@ -20,8 +20,8 @@ from crashkit.diagnose.name.follow import (
     leave_a_trace,
     reconsidered,
 )
-from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import LEAST_DROP, Look, is_given, least_drop
+from crashkit.diagnose.name.inquiry import Inquiry, is_given
+from crashkit.diagnose.name.look import LEAST_DROP, Look, least_drop
 from crashkit.diagnose.name.needed import _asked, _spare, needed, price
 from crashkit.diagnose.refining import _is_worthless
 from crashkit.diagnose.show.left_out import left_out_drop

@@ -4,6 +4,7 @@ import pytest
 from attrs import evolve
 
 from crashkit.diagnose.fitting.evidence import Rival
+from crashkit.diagnose.fitting.from_given import FromGiven
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name.follow import reconsidered
 from crashkit.diagnose.name.forms import in_best_forms
@@ -101,9 +102,10 @@ def test_a_fine_form_waits_until_a_plain_one_leaves_something(workshop, base, pr
         fitted = without.fitted()
         proposals = proposed(without, "rate_dependence")
         nearest, _ = nearest_rivals(workshop, fitted, proposals, lambda _: LEAST_DROP, silent)
-        ranked = further_rivals(workshop, fitted, fitted, proposals, nearest, True, silent).rivals
-        plain = [rival for rival in ranked if not rival.proposal.refined]
-        assert (min(rival.search.normalised for rival in plain) > 1.05) is is_tried
+        claims = FromGiven(workshop, fitted, [one for one in proposals if not one.refined], silent)
+        ranked = further_rivals(workshop, fitted, claims, proposals, nearest, True, silent).rivals
+        told = [rival for rival in ranked if not rival.proposal.refined]
+        assert (min(rival.search.normalised for rival in told) > 1.05) is is_tried
         assert any(rival.proposal.form == "both ways" for rival in ranked) is is_tried
 
 

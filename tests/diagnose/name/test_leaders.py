@@ -1,4 +1,4 @@
-"""Two of the causes that lead alone, or of all, beside each other."""
+"""Two of the causes that lead alone beside each other, and two of all."""
 
 import pytest
 from attrs import evolve
@@ -6,7 +6,7 @@ from attrs import evolve
 from crashkit.diagnose.claims import identity, propose_all
 from crashkit.diagnose.fitting.evidence import best_forms, ranked_by_evidence
 from crashkit.diagnose.fitting.search import begin
-from crashkit.diagnose.name.leaders import coupled_leaders, couples_from_given
+from crashkit.diagnose.name.leaders import coupled_leaders
 from crashkit.diagnose.name.look import Look
 from crashkit.testing import toys
 
@@ -51,7 +51,7 @@ def test_no_two_claims_come_twice_nor_one_beside_itself(asked):
 
 def test_of_all_causes_those_two_leave_least(asked):
     inquiry, look = asked
-    best = couples_from_given(inquiry, look.leader.search)[0]
+    best = inquiry.from_given.couples(look.leader.search.excess)[0]
     assert {identity(best.first), identity(best.second)} == {MASS, GAP}
     assert best.search.normalised == pytest.approx(1.0, abs=0.05)
 

@@ -21,17 +21,20 @@ def two(monkeypatch):
     alone leaves so much; and who was asked for."""
     asked = []
 
+    def answering(name, left):
+        couples = [Couple(None, None, leaving(one)) for one in left]
+        return lambda *_: asked.append(name) or couples
+
     def told(alone, leaders, places=(), everyone=(), base=9.0):
         for name, left in {
             "coupled_leaders": leaders,
             "couples_at_two_places": places,
-            "couples_from_given": everyone,
         }.items():
-            couples = [Couple(None, None, leaving(one)) for one in left]
-            monkeypatch.setattr(nearby, name, lambda *_, name=name, couples=couples: asked.append(name) or couples)
+            monkeypatch.setattr(nearby, name, answering(name, left))
         monkeypatch.setattr(nearby, "both", lambda inquiry, look: (look, evolve(look, couples=())))
         monkeypatch.setattr(nearby, "followed", lambda inquiry, begun, look: (begun[0].couples, look))
-        inquiry = SimpleNamespace(base=leaving(base))
+        claims = SimpleNamespace(couples=answering("from_given", everyone))
+        inquiry = SimpleNamespace(base=leaving(base), from_given=claims)
         found = _two_at_once(inquiry, Look((), (), 1.0, None), leaving(alone))
         return [couple.search.normalised for couple in found] if found else None
 
@@ -64,10 +67,10 @@ def test_else_those_at_two_places_are_and_then_those_of_all(two, alone, together
     assert two.asked == ["coupled_leaders", "couples_at_two_places"] + 2 * [
         "coupled_leaders",
         "couples_at_two_places",
-        "couples_from_given",
+        "from_given",
     ]
 
 
 def test_those_of_all_are_asked_later_where_one_alone_leaves_most(two):
     assert two(3.0, [], [], [1.0], base=3.5) is None
-    assert "couples_from_given" not in two.asked
+    assert "from_given" not in two.asked
