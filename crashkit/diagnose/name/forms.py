@@ -36,11 +36,11 @@ def in_best_forms(
 
     Arguments:
         search: the fit with them.
-        thorough: whether forms are questioned where that leaves nothing, too.
+        thorough: whether forms are questioned where that leaves nothing, too; those that were for this fit are not again.
     """
     looks = list(findings)
     for index, look in enumerate(findings):
-        if is_unknown(look.leader) or (explains(search) and not thorough):
+        if is_unknown(look.leader) or look.formed is search or (explains(search) and not thorough):
             continue
         others = [other.leader for other in looks if other is not look]
         without = search.deviance + look.leader.drop
@@ -48,7 +48,8 @@ def in_best_forms(
         best = _eased(inquiry, ranked_by_evidence(forms, without)[0], without)
         if best.evidence > look.leader.evidence:
             seen = _as_seen(inquiry.workshop, look, best)
-            looks[index], search = look.led_by(seen), best.search
+            look, search = look.led_by(seen), best.search
+        looks[index] = evolve(look, formed=search)
     return looks, search
 
 

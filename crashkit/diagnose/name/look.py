@@ -8,6 +8,7 @@ from attrs import evolve, field, frozen
 from crashkit.diagnose.claims import accuses_instrument, identity
 from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import UNEXPLAINED, Rival, best_forms, explains, probabilities
+from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.inquiry import Inquiry, claims_from_given, open_claims
 from crashkit.diagnose.name.rivals import Limit, further_rivals, nearest_rivals, standing
 from crashkit.misfit import Misfit
@@ -35,8 +36,8 @@ hardly another law."""
 @frozen
 class Look:
     """One look at what is left: the rivals in order, their probabilities, that of nothing, the misfit before, how much of
-    chi squared a finding must at least explain, the smallest effects that would have been seen, and couples of claims that
-    leave much less than any rival."""
+    chi squared a finding must at least explain, the smallest effects that would have been seen, couples of claims that leave
+    much less than any rival, and the fit for which the leader was asked in all its forms."""
 
     rivals: tuple[Rival, ...]
     probabilities: tuple[float, ...]
@@ -45,6 +46,7 @@ class Look:
     least: float = LEAST_DROP
     limits: tuple[Limit, ...] = field(default=())
     couples: tuple[Couple, ...] = field(default=())
+    formed: Search | None = None
 
     @classmethod
     def of(cls, rivals: Sequence[Rival], before: Misfit, tried: int = 0) -> "Look":
@@ -132,7 +134,7 @@ def _least_of(proposal: Proposal, least: float) -> float:
 def compared(look: Look, rivals: Sequence[Rival]) -> Look:
     """The look as these rivals, the first ahead, would have it among themselves."""
     told = Look.of(rivals, look.before)
-    return evolve(told, least=look.least, limits=look.limits, couples=look.couples)
+    return evolve(told, least=look.least, limits=look.limits, couples=look.couples, formed=look.formed)
 
 
 def led(look: Look) -> Look:

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+from attrs import evolve
+
 from crashkit.diagnose.claims import accuses_instrument, is_same
 from crashkit.diagnose.fitting.candidates import begin_candidates
 from crashkit.diagnose.fitting.contest import heats
@@ -86,7 +88,8 @@ def _contested(inquiry: Inquiry, look: Look, found: Sequence[Rival]) -> Look:
         return look
     fitted = [one for rival in close for one in in_all_forms(inquiry, rival, found, rival.search)]
     forms = ranked_by_evidence(fitted, winner.without)
-    return compared(look, best_forms(by_evidence([*look.rivals, *forms])))
+    told = compared(look, best_forms(by_evidence([*look.rivals, *forms])))
+    return evolve(told, formed=told.leader.search) if explains(told.leader.search) else told
 
 
 def _is_close(rival: Rival, winner: Rival) -> bool:

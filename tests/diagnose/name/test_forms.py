@@ -96,6 +96,16 @@ def test_a_form_that_leaves_nothing_is_not_questioned(inquiry, base, finding):
     assert in_best_forms(unwatched, [look], look.leader.search) == ([look], look.leader.search)
 
 
+def test_forms_are_asked_once_for_a_fit(inquiry, base, finding):
+    without = base("rate_power", POWER)
+    asked, look = inquiry(without), finding(without, "rate_dependence", "linear")
+    findings, search = in_best_forms(asked, [look], look.leader.search, thorough=True)
+    unwatched = evolve(asked, progress=pytest.fail)
+    assert in_best_forms(unwatched, findings, search, thorough=True) == (findings, search)
+    with pytest.raises(pytest.fail.Exception, match="fitting all forms of rate_dependence"):
+        in_best_forms(unwatched, findings, evolve(search), thorough=True)
+
+
 def test_a_fine_form_waits_until_a_plain_one_leaves_something(workshop, base, proposed):
     for factor, numbers, is_tried in (("rate_power", POWER, False), ("rate_eyring", BOTH_WAYS, True)):
         without = base(factor, numbers)
