@@ -102,6 +102,8 @@ def followed(inquiry: Inquiry, begun: Sequence[Look], look: Look, near: Look | N
 def _look_beside(inquiry: Inquiry, search: Search, findings: Sequence[Look], near: Look | None) -> Look:
     """A look at what is left beside the findings; one that was made near there is not made again."""
     is_there = near is not None and near.before.names == search.misfit.names and _was_asked(near, search)
+    if near is not None and is_there and near.is_wide:
+        return near
     return look_again(inquiry, search.fitted(), [one.leader for one in findings], begun=near if is_there else None)
 
 

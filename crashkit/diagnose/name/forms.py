@@ -44,12 +44,13 @@ def in_best_forms(
             continue
         others = [other.leader for other in looks if other is not look]
         without = search.deviance + look.leader.drop
-        forms = [*in_all_forms(inquiry, look.leader, others, search), Candidate(look.leader.proposal, search)]
-        best = _eased(inquiry, ranked_by_evidence(forms, without)[0], without)
+        forms = in_all_forms(inquiry, look.leader, others, search)
+        present = Candidate(look.leader.proposal, search)
+        best = _eased(inquiry, ranked_by_evidence([*forms, present], without)[0], without)
         if best.evidence > look.leader.evidence:
             seen = _as_seen(inquiry.workshop, look, best)
             look, search = look.led_by(seen), best.search
-        looks[index] = evolve(look, formed=search)
+        looks[index] = evolve(look, formed=search, forms=tuple(forms))
     return looks, search
 
 

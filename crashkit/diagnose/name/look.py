@@ -6,6 +6,7 @@ from functools import partial
 from attrs import evolve, field, frozen
 
 from crashkit.diagnose.claims import accuses_instrument, identity
+from crashkit.diagnose.fitting.candidates import Candidate
 from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import UNEXPLAINED, Rival, best_forms, explains, probabilities
 from crashkit.diagnose.fitting.search import Search
@@ -35,9 +36,20 @@ hardly another law."""
 
 @frozen
 class Look:
-    """One look at what is left: the rivals in order, their probabilities, that of nothing, the misfit before, how much of
-    chi squared a finding must at least explain, the smallest effects that would have been seen, couples of claims that leave
-    much less than any rival, and the fit for which the leader was asked in all its forms."""
+    """One look at what is left.
+
+    Attributes:
+        rivals: the most evident first.
+        probabilities: of each.
+        nothing: probability that there is nothing.
+        before: the misfit that it was made at.
+        least: how much of chi squared a finding must at least explain.
+        limits: the smallest effects that would have been seen.
+        couples: of claims that leave much less than any rival.
+        is_wide: whether it was made with everything in sight, and not only from the current numbers.
+        formed: the fit for which the leader was last asked in all its forms, if it was.
+        forms: the fits of these.
+    """
 
     rivals: tuple[Rival, ...]
     probabilities: tuple[float, ...]
@@ -46,7 +58,9 @@ class Look:
     least: float = LEAST_DROP
     limits: tuple[Limit, ...] = field(default=())
     couples: tuple[Couple, ...] = field(default=())
+    is_wide: bool = False
     formed: Search | None = None
+    forms: tuple[Candidate, ...] = ()
 
     @classmethod
     def of(cls, rivals: Sequence[Rival], before: Misfit, tried: int = 0) -> "Look":
@@ -110,7 +124,8 @@ def look_again(
         ranked, couples = list(further.rivals), tuple(further.couples)
     best = best_forms(ranked)
     look = Look.of(best, current, len({identity(p) for p in proposals}))
-    return evolve(look, least=least, limits=tuple(limits), couples=couples)
+    look = evolve(look, least=least, limits=tuple(limits), couples=couples, is_wide=not quick)
+    return evolve(look, formed=begun.formed, forms=begun.forms) if begun else look
 
 
 def least_drop(found: Sequence[Rival]) -> float:
@@ -134,7 +149,7 @@ def _least_of(proposal: Proposal, least: float) -> float:
 def compared(look: Look, rivals: Sequence[Rival]) -> Look:
     """The look as these rivals, the first ahead, would have it among themselves."""
     told = Look.of(rivals, look.before)
-    return evolve(told, least=look.least, limits=look.limits, couples=look.couples, formed=look.formed)
+    return evolve(look, rivals=told.rivals, probabilities=told.probabilities, nothing=told.nothing)
 
 
 def led(look: Look) -> Look:

@@ -49,7 +49,7 @@ def followed_nearby(inquiry: Inquiry, near: Look) -> Nearby:
     if known[0].search.excess > FOLLOWED * inquiry.base.excess:
         return Nearby(near, _two_at_once(inquiry, near, known[0].search))
     first, search = _at_its_best(inquiry, compared(near, known))
-    near = compared(evolve(near, formed=first.formed), by_evidence([*first.rivals, *filter(is_unknown, near.rivals)]))
+    near = compared(first, by_evidence([*first.rivals, *filter(is_unknown, near.rivals)]))
     winner = first.winner
     if winner is None:
         return Nearby(near)

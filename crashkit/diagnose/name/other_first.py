@@ -34,7 +34,7 @@ def begun_otherwise(inquiry: Inquiry, first: Look, least: float) -> tuple[Look, 
 def _others(inquiry: Inquiry, first: Look) -> Iterable[Rival]:
     """The most evident of the winner's other forms and of the other claims."""
     winner, *others = first.rivals
-    fitted = in_all_forms(inquiry, winner, [], winner.search)
+    fitted = first.forms if first.formed is winner.search else in_all_forms(inquiry, winner, [], winner.search)
     ranked = ranked_by_evidence(fitted, winner.without)
     forms = {rival.proposal.form: rival for rival in reversed(ranked) if rival.proposal.form != winner.proposal.form}
     named = [rival for rival in others if not is_unknown(rival)]

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from attrs import evolve
 
-from crashkit.diagnose.claims import accuses_instrument, is_same
+from crashkit.diagnose.claims import accuses_instrument, identity, is_same
 from crashkit.diagnose.fitting.candidates import begin_candidates
 from crashkit.diagnose.fitting.contest import heats
 from crashkit.diagnose.fitting.evidence import FLOOR, Rival, best_forms, by_evidence, explains, is_unknown, ranked_by_evidence
@@ -89,7 +89,10 @@ def _contested(inquiry: Inquiry, look: Look, found: Sequence[Rival]) -> Look:
     fitted = [one for rival in close for one in in_all_forms(inquiry, rival, found, rival.search)]
     forms = ranked_by_evidence(fitted, winner.without)
     told = compared(look, best_forms(by_evidence([*look.rivals, *forms])))
-    return evolve(told, formed=told.leader.search) if explains(told.leader.search) else told
+    if not explains(told.leader.search):
+        return told
+    own = [one for one in fitted if identity(one.proposal) == told.leader.identity]
+    return evolve(told, formed=told.leader.search, forms=tuple(own))
 
 
 def _is_close(rival: Rival, winner: Rival) -> bool:

@@ -144,7 +144,7 @@ def _stopped_step(search: Search, damped: np.ndarray, lower: np.ndarray, upper: 
         outside = free & ((target < lower) | (target > upper))
         move[outside] = np.clip(target, lower, upper)[outside] - search.point[outside]
         slope = search.gradient + damped @ move
-        inward = ~free & np.where(target <= lower, slope < 0.0, slope > 0.0)
+        inward = ~free & (lower < upper) & np.where(target <= lower, slope < 0.0, slope > 0.0)
         if not outside.any() and not inward.any():
             break
         free = free & ~outside if outside.any() else free | inward

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from attrs import evolve, frozen
 
+from crashkit.campaign import spread
 from crashkit.errors import SimulationError
 from crashkit.misfit import SameVariables
 from crashkit.protocols import Problem
@@ -54,8 +55,8 @@ def intervals(problem: Problem, found: Parabola) -> np.ndarray:
     if found.excess > LOOSE:
         return linear
     profile = Profile(problem, found)
-    pairs = zip(linear.tolist(), bounds.tolist(), strict=True)
-    return np.array([[profile.end(i, *ends) for i, ends in enumerate(zip(*pair, strict=True))] for pair in pairs])
+    sought = [(index, linear[side, index], bounds[side, index]) for index in range(len(point)) for side in range(2)]
+    return np.array(spread(lambda end: profile.end(*end), sought)).reshape(-1, 2).T
 
 
 class Profile:

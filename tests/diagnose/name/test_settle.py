@@ -6,6 +6,7 @@ import pytest
 from attrs import evolve
 
 from crashkit.diagnose.claims import propose_all
+from crashkit.diagnose.fitting.candidates import Candidate
 from crashkit.diagnose.fitting.evidence import Rival, ranked_by_evidence
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name import settle
@@ -87,7 +88,7 @@ def test_what_leaves_hardly_more_at_its_place_is_asked_in_all_its_forms(
 
     def in_all_forms(inquiry, rival, others, search):
         asked.append(rival.proposal.physics)
-        return [(rival.proposal, final)] if rival is plain else []
+        return [Candidate(rival.proposal, final)] if rival is plain else []
 
     monkeypatch.setattr(settle, "in_all_forms", in_all_forms)
     monkeypatch.setattr(settle, "_reidentified", lambda inquiry, look, winner: look)
