@@ -75,8 +75,8 @@ class JointLaw:
 
     def numbers(self, values: Mapping[str, float]) -> Numbers:
         """The parameters of the law and of each factor, from values by path; what is omitted has the law's default."""
-        known = {**self._omitted, **values}
-        return [np.array([known[self.paths[i]] for i in part.place], dtype=float) for part in self._parts]
+        known = [values[path] if path in values else self._omitted[path] for path in self.paths]
+        return [np.array(known, dtype=float)[part.place] for part in self._parts]
 
     def modes(self, times: Floats, states: Floats, numbers: Numbers, drive: Floats | None = None) -> Integers:
         """The branches (function, time) that the law and its factors take along a motion that begins without memory.

@@ -72,19 +72,28 @@ class Track:
         """The branches (function, time) that the law and its factors take."""
         return self.law.modes(self.times, self.states(values), self.law.numbers(values), self._drive(values))
 
-    def push(self, modes: Integers, values: Mapping[str, float], paths: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-        """The forces (time,), N, on given branches, and their derivatives (time, parameter) to `paths`."""
+    @property
+    def paths(self) -> tuple[str, ...]:
+        """Of the parameters that its force depends on."""
+        lengths = [stretch.free_length for stretch in (self.own, self.driver) if stretch is not None]
+        return (*self.law.paths, *lengths)
+
+    def push(self, modes: Integers, values: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray]:
+        """The forces (time,), N, on given branches, and their derivatives (time, parameter) to its `paths`."""
         states, drive = self.states(values), self._drive(values)
         force, slopes, driven = self.law.evaluate(self.times, states, modes, self.law.numbers(values), drive)
-        known = {path: slopes[:, TO_MEMORY + i] for i, path in enumerate(self.law.paths)}
         # A longer free length deforms the joint more at every instant, and with it the largest deformation so far.
-        known[self.own.free_length] = slopes[:, TO_D] + slopes[:, TO_D_MAX]
-        if self.driver is not None:
-            known[self.driver.free_length] = driven[:, TO_D]
-        return force, np.array([known.get(path, np.zeros(len(force))) for path in paths]).reshape(len(paths), len(force)).T
+        to_lengths = [slopes[:, TO_D] + slopes[:, TO_D_MAX], *([] if self.driver is None else [driven[:, TO_D]])]
+        return force, np.column_stack([slopes[:, TO_MEMORY:], *to_lengths])
 
     def _drive(self, values: Mapping[str, float]) -> np.ndarray | None:
         return None if self.driver is None else self.driver.states(values)
+
+
+def shared(names: Sequence[str], paths: Sequence[str]) -> tuple[list[int], list[int]]:
+    """Which of some names are among the paths, and where."""
+    own = [index for index, name in enumerate(names) if name in paths]
+    return own, [paths.index(names[index]) for index in own]
 
 
 def tracks_of(model: Model, laws: Laws, motion: xr.Dataset, engine: Engine | None = None) -> list[Track]:

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from crashkit.mechanics.engine import Engine
-from crashkit.mechanics.joint_track import in_space, rotations, tracks_of
+from crashkit.mechanics.joint_track import in_space, rotations, shared, tracks_of
 from crashkit.mechanics.kernel.arrays import Integers
 from crashkit.mechanics.motion import XYZ
 from crashkit.model import Body, Model
@@ -74,6 +74,7 @@ class StateForm:
         self.model, self.motion = model, motion
         self.paths = tuple(path for path in model.free_parameters() if not path.startswith("instrument."))
         self.tracks = tracks_of(model, laws, motion, engine)
+        self._columns = [shared(track.paths, self.paths) for track in self.tracks]
         self._dof = 1 if len(model.axes) == 1 else 6
         self._loads = given_loads(model, motion, self._dof)
 
@@ -91,11 +92,11 @@ class StateForm:
             modes: of every joint, as `modes` gives them.
         """
         load, slopes = self._loads.copy(), np.zeros((*self._loads.shape, len(self.paths)))
-        for track, taken in zip(self.tracks, modes, strict=True):
-            push, columns = track.push(taken, values, self.paths)
+        for track, taken, (own, columns) in zip(self.tracks, modes, self._columns, strict=True):
+            push, table = track.push(taken, values)
             for row, along in track.ends:
                 load[:, row] += push[:, None] * along
-                slopes[:, row] += columns[:, None, :] * along[:, :, None]
+                slopes[:, row][..., columns] += table[:, None, own] * along[:, :, None]
         for row, body in enumerate(self.model.bodies):
             load[:, row], slopes[:, row] = self._response(row, body, load[:, row], slopes[:, row], values)
         return load, slopes

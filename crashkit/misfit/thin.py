@@ -50,13 +50,17 @@ def _thin(instrument: xr.Dataset, quantity: str, halvings: int) -> xr.Dataset:
     filter_class = frequency_class(instrument)
     is_closed = 0 < filter_class < OPEN_CLASS
     factor = int(0.5**halvings * search_interval(filter_class if is_closed else 0) / interval + 1e-6)
-    if not is_closed and factor == 2:
-        factor = 3  # a block of two with a middle shares too much with the next
+    factor = factor if is_closed else whole_block(factor)
     if factor < 2 or len(times) < FEWEST * factor or np.ptp(steps) > 0.01 * interval:
         return instrument
     if is_closed:
         return instrument.isel(time=in_step(times, factor))
     return _averaged(instrument, quantity, factor, filter_class)
+
+
+def whole_block(factor: int) -> int:
+    """Samples of a block that is averaged: of two with a middle, one shares too much with the next."""
+    return 3 if factor == 2 else factor
 
 
 def search_interval(filter_class: int) -> float:
@@ -79,16 +83,21 @@ def in_step(times: np.ndarray, factor: int, margin: int = 0) -> np.ndarray:
 
 def _averaged(instrument: xr.Dataset, quantity: str, factor: int, filter_class: int) -> xr.Dataset:
     """Weighted means of blocks and their neighbours, which reach equally far to both sides of a kept sample."""
-    weights = _weights(factor)
-    half = len(weights) // 2
-    kept = in_step(instrument["time"].values, factor, half)
-    readings = instrument[quantity].transpose("time", ...)
-    means = np.sum([weight * readings.values[kept + shift - half] for shift, weight in enumerate(weights)], axis=0)
+    readings, times = instrument[quantity].transpose("time", ...), instrument["time"].values
+    kept, means = block_means(readings.values, times, factor)
     thin = instrument.isel(time=kept)
     thin[quantity] = (readings.dims, means, instrument[quantity].attrs)
     if f"{quantity}_std" in thin:
-        thin[f"{quantity}_std"] = thin[f"{quantity}_std"] * _noise_left(instrument["time"].values, weights, filter_class)
+        thin[f"{quantity}_std"] = thin[f"{quantity}_std"] * noise_left(times, factor, filter_class)
     return thin.assign_attrs(channel_frequency_class=0) if filter_class else thin
+
+
+def block_means(samples: np.ndarray, times: np.ndarray, factor: int) -> tuple[np.ndarray, np.ndarray]:
+    """Weighted means of blocks of evenly spaced samples (time, ...), and which samples they are centred on."""
+    weights = _weights(factor)
+    half = len(weights) // 2
+    kept = in_step(times, factor, half)
+    return kept, np.sum([weight * samples[kept + shift - half] for shift, weight in enumerate(weights)], axis=0)
 
 
 def _weights(factor: int) -> np.ndarray:
@@ -107,11 +116,11 @@ def _weights(factor: int) -> np.ndarray:
     return np.convolve(block, beside)
 
 
-def _noise_left(times: np.ndarray, weights: np.ndarray, filter_class: int) -> float:
-    """Standard deviation of a weighted mean, relative to that of a sample of white noise that went through the filter."""
+def noise_left(times: np.ndarray, factor: int, filter_class: int) -> float:
+    """Standard deviation of such a mean, relative to that of a sample of white noise that went through the filter."""
     response = np.zeros(2 * MEMORY + 1)
     response[MEMORY] = 1.0
     if filter_class:
         stamps = (times[1] - times[0]) * np.arange(len(response))
         response = filter_channel(response, stamps, filter_class)
-    return float(np.linalg.norm(np.convolve(response, weights)) / np.linalg.norm(response))
+    return float(np.linalg.norm(np.convolve(response, _weights(factor))) / np.linalg.norm(response))

@@ -5,6 +5,7 @@ import pytest
 
 from crashkit.misfit import Misfit
 from crashkit.misfit.coarse import INSTANTS
+from crashkit.misfit.thin import FILTER_MARGIN, SEARCH_INTERVAL
 from crashkit.registry import load
 from crashkit.testing import toys
 
@@ -49,6 +50,41 @@ def test_a_filtered_channel_keeps_what_its_filter_needs(problem, frequency_class
     registry = load()
     coarse = Misfit(problem.model, runs, registry.spring_laws, registry.observers).coarse
     assert {group.name: len(group.times) for group in coarse.groups} == {"film": 101, "accelerometer": instants}
+
+
+@pytest.fixture
+def fast(recorded, model):
+    """A run sampled at 10 kHz, its accelerometer through a filter of a class, and the misfit of the model that made it."""
+
+    def of(frequency_class):
+        registry = load()
+        run = filtered(recorded(model, interval=1e-4), frequency_class)
+        return Misfit(model, {"run": run}, registry.spring_laws, registry.observers)
+
+    return of
+
+
+def accelerometer(misfit):
+    return next(group for group in misfit.groups if group.name == "accelerometer")
+
+
+@pytest.mark.parametrize(("frequency_class", "interval"), [(60, 8e-4), (180, 4e-4)])
+def test_filtered_samples_are_no_further_apart_than_their_filter_bears(fast, frequency_class, interval):
+    group = accelerometer(fast(frequency_class).coarse)
+    assert np.diff(group.times) == pytest.approx(interval)
+    assert interval <= 1.0 / (FILTER_MARGIN * frequency_class) < 2.0 * interval
+    assert group.dataset.attrs["channel_frequency_class"] == frequency_class
+
+
+def test_a_channel_behind_an_open_filter_becomes_means(fast):
+    misfit = fast(1000)
+    group, before = accelerometer(misfit.coarse), accelerometer(misfit)
+    assert group.dataset.attrs["channel_frequency_class"] == 0
+    assert np.diff(group.times).min() >= SEARCH_INTERVAL - 1e-9
+    (noise,), (sample,) = ({channel.noise for channel in one.channels} for one in (group, before))
+    assert noise.correlation == 1.0 and 0.2 * sample.std < noise.std < sample.std
+    left = misfit.coarse.residual(misfit.coarse.start())
+    assert np.sqrt(np.mean(left**2)) < 1.2  # the model that made it, unfiltered as the means are
 
 
 def test_few_samples_are_left_alone(problem):

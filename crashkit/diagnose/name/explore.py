@@ -76,7 +76,7 @@ def _near_then_wide(inquiry: Inquiry, near: Look | None) -> Discovery:
     wide = in_time(_won(base, nearby.look), _found_widely, inquiry, nearby)
     told = wide if found is None else _cheaper(found, wide)
     estimated = in_time(told, estimated_at_last, inquiry, told)
-    return _where_it_acts(inquiry, told) if estimated is told else estimated
+    return in_time(told, _where_it_acts, inquiry, told) if estimated is told else estimated
 
 
 def _is_wrong_beside_more(near: Look) -> bool:
@@ -170,6 +170,7 @@ def _where_it_acts(inquiry: Inquiry, found: Discovery) -> Discovery:
     """
     if not found.leaves_structure:
         return found
+    inquiry.progress("looking for the one place at which a force acts", 0.0)
     pointer = outstanding(free_forces(inquiry.workshop, inquiry.given))
     place = pointer.first.place if pointer else None
     if place in (None, *(look.leader.place for look in found.findings)):

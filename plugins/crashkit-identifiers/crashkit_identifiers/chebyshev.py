@@ -8,6 +8,7 @@ import xarray as xr
 from attrs import evolve, field, frozen
 
 from crashkit.errors import CrashkitError
+from crashkit.mechanics.joint_track import shared
 from crashkit.mechanics.state_form import StateForm
 from crashkit.misfit import Misfit, SameVariables
 from crashkit.protocols import Identification, Identifier, Problem
@@ -96,7 +97,9 @@ class _LawFit(SameVariables):
         values = self.misfit.model.values() | self.misfit.values(scaled)
         residuals, slopes = [], []
         for track, wanted, weight in zip(self._tracks, self._wanted, self._weights, strict=True):
-            force, columns = track.push(track.modes(values), values, self.names)
+            force, table = track.push(track.modes(values), values)
             residuals.append((force - wanted) * weight)
-            slopes.append(columns * weight[:, None])
+            slopes.append(np.zeros((len(force), len(self.names))))
+            own, columns = shared(track.paths, self.names)
+            slopes[-1][:, columns] = table[:, own] * weight[:, None]
         return np.concatenate(residuals), np.concatenate(slopes) * self.scaling(scaled)
