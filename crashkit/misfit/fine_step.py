@@ -12,6 +12,9 @@ if TYPE_CHECKING:
 
 LITTLE = 0.02
 """Of the standard deviation of a reading: what moves twice as fast as the model still has but a third of it."""
+HARDLY = 1e-3
+"""Of what the model leaves: less is not asked for. A filtered channel hides how much noise it has, and to be as exact as an
+estimate of next to none took steps of a hundredth of a millisecond and less."""
 BEARABLE = 0.1
 """Of it: such an error adds a hundredth to chi squared."""
 CRUDE = 0.1
@@ -30,13 +33,14 @@ SHORTER = 0.25, 0.8
 
 
 def fine_step(misfit: "Misfit") -> float:
-    """The longest step, s, with which every channel reads what it reads with a third of it, to a fiftieth of its noise.
+    """The longest step, s, with which every channel reads what it reads with a third of it, to a fiftieth of its noise or a
+    thousandth of what the model leaves.
 
     Arguments:
         misfit: whose model is simulated at its own values; where it cannot be, the step stays a short one.
     """
     first = min(STRIDE * misfit.predictor.usual_gap, LONGEST)
-    return _longest_step(misfit, first, lambda left: np.full_like(left, LITTLE))
+    return _longest_step(misfit, first, lambda left: np.maximum(HARDLY * left, LITTLE))
 
 
 def crude_step(misfit: "Misfit") -> float:
