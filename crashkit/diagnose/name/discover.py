@@ -20,7 +20,7 @@ from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look, look_again
 from crashkit.diagnose.name.rivals import CONCEALED
-from crashkit.diagnose.name.settle import settled
+from crashkit.diagnose.name.settle import in_one_number, settled
 from crashkit.diagnose.name.vanished import told_by_vanished
 from crashkit.model import Model
 from crashkit.protocols import Proposal
@@ -38,8 +38,10 @@ def discover(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery:
     found = in_time(found, told_by_vanished, inquiry, found)
     if not explains(found.search):
         return found
-    same = list(found.findings), found.search
-    findings, search = in_time(same, in_best_forms, inquiry, found.findings, found.search, thorough=True)
+    findings, search = list(found.findings), found.search
+    if len(findings) > 1:
+        findings, search = in_time((findings, search), in_one_number, inquiry, findings, search)
+    findings, search = in_time((findings, search), in_best_forms, inquiry, findings, search, thorough=True)
     return evolve(found, findings=tuple(findings), search=search, final=search.fitted())
 
 

@@ -7,7 +7,17 @@ from attrs import evolve
 from crashkit.diagnose.claims import accuses_instrument, identity, is_same
 from crashkit.diagnose.fitting.candidates import begin_candidates
 from crashkit.diagnose.fitting.contest import heats
-from crashkit.diagnose.fitting.evidence import FLOOR, Rival, best_forms, by_evidence, explains, is_unknown, ranked_by_evidence
+from crashkit.diagnose.fitting.evidence import (
+    FLOOR,
+    Rival,
+    best_forms,
+    by_evidence,
+    explains,
+    is_unknown,
+    ranked_by_evidence,
+    rival_of,
+)
+from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.forms import in_all_forms
 from crashkit.diagnose.name.inquiry import Inquiry, open_claims
 from crashkit.diagnose.name.look import Look, compared
@@ -35,6 +45,36 @@ def settled(inquiry: Inquiry, look: Look, winner: Rival, found: Sequence[Rival])
         return look
     claims = _challengers(inquiry, look, found)
     return _contested(inquiry, _challenged(inquiry, look, claims) if claims else look, found)
+
+
+def in_one_number(inquiry: Inquiry, findings: Sequence[Look], search: Search) -> tuple[list[Look], Search]:
+    """Several findings, each challenged by the claims of one number at its place, and the fit with them.
+
+    Of two that were found at once the first was chosen before either fit had settled, and never stood alone.
+
+    Arguments:
+        search: the fit with the findings.
+    """
+    looks = list(findings)
+    for index, look in enumerate(findings):
+        winner, others = look.leader, [other.leader for other in looks if other is not look]
+        if is_unknown(winner) or accuses_instrument(winner.proposal) or len(winner.proposal.parameters) == 1:
+            continue
+        without = inquiry.fit_with(others, search)
+        claims = _of_one_number(inquiry, winner, others, without) if without else []
+        if without is None or not claims:
+            continue
+        present = rival_of(winner.proposal, search, without.deviance)
+        told = _challenged(inquiry, compared(evolve(look, before=without.fitted()), [present]), claims)
+        if told.leader.identity != winner.identity:
+            looks[index], search = told, told.leader.search
+    return looks, search
+
+
+def _of_one_number(inquiry: Inquiry, winner: Rival, others: Sequence[Rival], without: Search) -> list[Proposal]:
+    """What the structure may have wrong in one number at the place of a winner, beside other findings."""
+    claims = open_claims(inquiry, without.fitted(), [winner, *others])
+    return [p for p in claims if place_of(p.location) == winner.place and len(p.parameters) == 1 and not p.refined]
 
 
 def _reidentified(inquiry: Inquiry, look: Look, winner: Rival) -> Look:

@@ -7,11 +7,13 @@ from attrs import evolve
 
 from crashkit.diagnose.claims import propose_all
 from crashkit.diagnose.fitting.candidates import Candidate
-from crashkit.diagnose.fitting.evidence import Rival, ranked_by_evidence
+from crashkit.diagnose.fitting.evidence import Rival, ranked_by_evidence, rival_of
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name import settle
 from crashkit.diagnose.name.look import Look
-from crashkit.diagnose.name.settle import settled
+from crashkit.diagnose.name.settle import in_one_number, settled
+from crashkit.model import Joint, Parameter
+from crashkit.model.edit import with_factor, with_joint
 from crashkit.testing import toys
 
 FRICTION = "joint_friction"
@@ -69,6 +71,54 @@ def test_a_load_on_a_stiff_tie_gives_way_to_a_mass_that_is_wrong(workshop, inqui
     assert look.winner.identity == ("added_mass", "body rear")
     found = look.winner.search
     assert found.misfit.values(found.point)["body.rear.mass"] == pytest.approx(1.2 * rear.value, rel=0.02)
+
+
+DASHPOT = {"damping": 5e3, "clearance": 0.0, "engagement": 1e-3}
+TEAR = {"softening_deformation": 0.2, "softening_length": 0.15, "loss": 0.5}
+
+
+def fixed(values):
+    return {name: Parameter(value, fixed=True) for name, value in values.items()}
+
+
+@pytest.fixture
+def both_told(workshop, inquiry, misfit, recorded):
+    """A claim and a dashpot, fitted together to recordings of a secret with one, in the light of claims of one number."""
+
+    def told(model, secret, asked):
+        secret = with_joint(secret, Joint("dashpot", secret.joints[0].bodies, "viscous", fixed(DASHPOT)))
+        given = misfit(model, slow=recorded(secret, 0.9, 1), fast=recorded(secret, 1.2, 2)).with_prior(0.1)
+        base = begin(workshop.identifier, given).advance(40)
+        searches, claims = [base], []
+        for physics, form, location in (asked, ("viscous_damping", "linear", {"joint": "first"})):
+            everything = propose_all(workshop, searches[-1].fitted(), physics)
+            claims.append(next(p for p in everything if p.form == form and p.location == location))
+            equipped = workshop.equipped([claims[-1].model]).misfit(searches[-1].fitted(), claims[-1].model)
+            begun = [begin(workshop.identifier, equipped.with_values(start)) for start in claims[-1].starts]
+            searches.append(min((one.advance(60) for one in begun), key=lambda one: one.deviance))
+        rivals = [rival_of(one, searches[-1], base.deviance) for one in claims]
+        looks = [Look((rival,), (1.0,), 0.0, base.fitted()) for rival in rivals]
+        return in_one_number(inquiry(base, given=base.fitted()), looks, searches[-1]), looks, searches[-1]
+
+    return told
+
+
+def test_of_two_findings_a_load_on_a_stiff_tie_gives_way_to_a_mass(both_told):
+    rear = evolve(toys.two_degrees().body("rear").mass, fixed=True)
+    two = toys.two_degrees().with_parameters({"body.rear.mass": rear})
+    heavy = two.with_parameters({"body.rear.mass": evolve(rear, value=1.2 * rear.value)})
+    (findings, search), _, before = both_told(two, heavy, ("carried_load", "tied", {"body": "rear"}))
+    assert [look.leader.identity for look in findings] == [("added_mass", "body rear"), ("viscous_damping", "joint first")]
+    assert search is findings[0].leader.search
+    assert search.normalised == pytest.approx(1.0, abs=0.05)
+    assert search.deviance < before.deviance + 10.0
+
+
+def test_of_two_findings_one_that_needs_its_numbers_keeps_them(both_told, model):
+    torn = with_factor(model, "first", "softening", fixed(TEAR))
+    (findings, search), looks, before = both_told(model, torn, ("fracture", "compression", {"joint": "first"}))
+    assert before.normalised < 2.0
+    assert (findings, search) == (looks, before)
 
 
 @pytest.mark.parametrize(
