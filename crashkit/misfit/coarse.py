@@ -5,14 +5,21 @@ from attrs import evolve
 
 from crashkit.data.channel_filter import CORNER, frequency_class
 from crashkit.misfit.channel import Channel, Group
-from crashkit.misfit.thin import FILTER_MARGIN, OPEN_CLASS, SEARCH_INTERVAL, block_means, in_step, noise_left, whole_block
+from crashkit.misfit.thin import (
+    FILTER_MARGIN,
+    OPEN_CLASS,
+    SEARCH_INTERVAL,
+    block_means,
+    in_step,
+    noise_left,
+    samples_in,
+    whole_block,
+)
 
 INSTANTS = 100
 """That a channel keeps, if it has as many."""
 FEWEST = 3
 """Samples in which a search can see anything."""
-UNEVEN = 0.01
-"""Of the usual step: samples whose steps differ by no more are evenly spaced."""
 COARSER = 4.0
 """By how much steps of the integration are longer; a few instants do not deserve more."""
 
@@ -63,20 +70,13 @@ def _factor(group: Group) -> int:
     """A power of two: what is read at the same instants at first then still is."""
     many, cfc = len(group.times) // INSTANTS, frequency_class(group.dataset)
     if cfc:
-        many = min(many, _blocks(group.times, 1.0 / (FILTER_MARGIN * cfc)))
+        many = min(many, samples_in(group.times, 1.0 / (FILTER_MARGIN * cfc)))
     return 1 if many < 2 else 1 << (many.bit_length() - 1)
-
-
-def _blocks(times: np.ndarray, interval: float) -> int:
-    """How many samples there are in an interval, s; 1 where they are not evenly spaced."""
-    steps = np.diff(times)
-    usual = float(np.median(steps)) if len(steps) else interval
-    return int(interval / usual + 1e-6) if np.ptp(steps) < UNEVEN * usual else 1
 
 
 def _opened(group: Group) -> Group:
     """The group as means over blocks, where it went through a filter that lets through all that a structure does."""
-    cfc, factor = frequency_class(group.dataset), whole_block(_blocks(group.times, SEARCH_INTERVAL))
+    cfc, factor = frequency_class(group.dataset), whole_block(samples_in(group.times, SEARCH_INTERVAL))
     if cfc < OPEN_CLASS or factor < 2 or len(group.times) < INSTANTS * factor:
         return group
     kept, recorded = block_means(group.recorded, group.times, factor)

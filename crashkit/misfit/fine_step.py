@@ -12,11 +12,11 @@ if TYPE_CHECKING:
 
 LITTLE = 0.02
 """Of the standard deviation of a reading: what moves twice as fast as the model still has but a third of it."""
-HARDLY = 1e-3
-"""Of what the model leaves: less is not asked for. A filtered channel hides how much noise it has, and to be as exact as an
-estimate of next to none took steps of a hundredth of a millisecond and less."""
 BEARABLE = 0.1
 """Of it: such an error adds a hundredth to chi squared."""
+HARDLY = 1e-3
+"""Of what the model leaves of a channel whose noise level is only an estimate: that may be next to none, and to be as exact
+took steps of 4 us."""
 CRUDE = 0.1
 """Of what the model leaves: a search still sees where it goes. Less than the noise is not asked for."""
 STRIDE = 4.0
@@ -33,14 +33,16 @@ SHORTER = 0.25, 0.8
 
 
 def fine_step(misfit: "Misfit") -> float:
-    """The longest step, s, with which every channel reads what it reads with a third of it, to a fiftieth of its noise or a
-    thousandth of what the model leaves.
+    """The longest step, s, with which every channel reads what it reads with a third of it, to a fiftieth of its noise.
+
+    Or, where the noise is only an estimate, to a thousandth of what the model leaves, if that is more.
 
     Arguments:
         misfit: whose model is simulated at its own values; where it cannot be, the step stays a short one.
     """
     first = min(STRIDE * misfit.predictor.usual_gap, LONGEST)
-    return _longest_step(misfit, first, lambda left: np.maximum(HARDLY * left, LITTLE))
+    open_ = np.array([not channel.noise.trusted for channel in misfit.channels])
+    return _longest_step(misfit, first, lambda left: np.maximum(HARDLY * left * open_, LITTLE))
 
 
 def crude_step(misfit: "Misfit") -> float:

@@ -14,6 +14,8 @@ FILTER_MARGIN = 10.5
 """A channel filtered to class C needs more than 10 C samples a second for its filter (SAE J211)."""
 OPEN_CLASS = 600
 """A filter of this class or above lets through all that a structure does."""
+UNEVEN = 0.01
+"""Of the usual step: samples whose steps differ by no more are evenly spaced."""
 FEWEST = 8
 """Blocks that a channel must have: of less, too little would be left."""
 NO_HALVINGS: Mapping[str, int] = MappingProxyType({})
@@ -45,17 +47,24 @@ def thinned(recording: xr.DataTree, quantities: Mapping[str, str], halvings: Map
 
 def _thin(instrument: xr.Dataset, quantity: str, halvings: int) -> xr.Dataset:
     times = instrument["time"].values
-    steps = np.diff(times)
-    interval = float(np.median(steps)) if len(steps) else SEARCH_INTERVAL
     filter_class = frequency_class(instrument)
     is_closed = 0 < filter_class < OPEN_CLASS
-    factor = int(0.5**halvings * search_interval(filter_class if is_closed else 0) / interval + 1e-6)
+    factor = samples_in(times, 0.5**halvings * search_interval(filter_class if is_closed else 0))
     factor = factor if is_closed else whole_block(factor)
-    if factor < 2 or len(times) < FEWEST * factor or np.ptp(steps) > 0.01 * interval:
+    if factor < 2 or len(times) < FEWEST * factor:
         return instrument
     if is_closed:
         return instrument.isel(time=in_step(times, factor))
     return _averaged(instrument, quantity, factor, filter_class)
+
+
+def samples_in(times: np.ndarray, interval: float) -> int:
+    """How many samples there are in an interval, s; 1 where they are not evenly spaced, or there are fewer than two."""
+    steps = np.diff(times)
+    if len(steps) == 0:
+        return 1
+    usual = float(np.median(steps))
+    return int(interval / usual + 1e-6) if np.ptp(steps) <= UNEVEN * usual else 1
 
 
 def whole_block(factor: int) -> int:

@@ -87,6 +87,13 @@ def test_a_channel_behind_an_open_filter_becomes_means(fast):
     assert np.sqrt(np.mean(left**2)) < 1.2  # the model that made it, unfiltered as the means are
 
 
+def test_a_single_sample_is_left_alone(problem):
+    registry = load()
+    runs = {run: tree.isel(time=slice(40, 41)) for run, tree in problem.recordings.items()}
+    single = Misfit(problem.model, runs, registry.spring_laws, registry.observers)
+    assert [len(group.times) for group in single.coarse.groups] == [1] * len(single.groups)
+
+
 def test_few_samples_are_left_alone(problem):
     runs = {run: tree.isel(time=slice(None, None, 4)) for run, tree in problem.recordings.items()}
     registry = load()

@@ -105,6 +105,7 @@ def look_again(
     Once something has been found, the model's own numbers have no more reason to hide the rest.
 
     Arguments:
+        current: the misfit of the model with what was found; where nothing was, the inquiry's model at its best fit.
         concerns: which proposals, built on the current model, are to be looked at; None: all.
         quick: whether to stop at what is found from the current numbers.
         begun: the look that did.
@@ -118,7 +119,6 @@ def look_again(
         ranked, limits = list(begun.rivals), list(begun.limits)
     if not quick:
         afresh = not found or concerns is not None
-        # Without a finding, the current numbers are those of the inquiry.
         claims = claims_from_given(inquiry, current, proposals) if found or concerns is not None else inquiry.from_given
         further = further_rivals(equipped, current, claims, proposals, ranked, afresh, inquiry.progress)
         ranked, couples = list(further.rivals), tuple(further.couples)
