@@ -138,9 +138,14 @@ def best_forms(ranked: Iterable[Rival]) -> list[Rival]:
     return list(best.values())
 
 
+def by_chance(samples: float) -> float:
+    """Normalised residual that chance leaves of so many independent samples, two standard deviations above 1."""
+    return float(1.0 + 2.0 / np.sqrt(2.0 * samples))
+
+
 def is_at_noise(search: Search) -> bool:
     """Whether no more is left than chance would leave."""
-    return bool(search.normalised < 1.0 + 2.0 / np.sqrt(2.0 * search.misfit.independent_samples))
+    return search.normalised < by_chance(search.misfit.independent_samples)
 
 
 def explains(search: Search) -> bool:

@@ -14,6 +14,7 @@ from crashkit.diagnose.fitting.evidence import (
     rival_of,
 )
 from crashkit.diagnose.fitting.in_time import in_time
+from crashkit.diagnose.fitting.leftover import is_all_told
 from crashkit.diagnose.fitting.rebuild import alone_again
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.locate.free_force import free_forces, outstanding
@@ -142,16 +143,21 @@ def _is_much_better(form: Rival, claim: Rival, structure: Rival) -> bool:
 
 
 def _suffices(found: Discovery, base: Search) -> bool:
-    """Whether one cause explains everything, or leaves less above the noise than a second one would have to explain; or two do
-    that, whatever the noise, and nothing convinces beside them."""
+    """Whether one cause explains everything that most channels tell, or leaves less above the noise than a second one would
+    have to explain; or two do that, whatever the noise, and nothing convinces beside them."""
     search = found.search
     if len(found.findings) == 1:
         is_little = search.normalised < FLOOR and search.excess < FORM_ERRORS[0] * base.excess
-        return explains(search) or (is_little and is_sound(search))
+        return explains(search) or (is_little and is_sound(search)) or _is_told_by_most(search)
     is_little = search.normalised < UNEXPLAINED and search.excess < FORM_ERRORS[1] * base.excess
     is_all = found.last is not None and len(found.findings) == 2 and not is_estimated(found.findings)
     is_enough = leave_a_trace(found.findings, search, base) or (is_all and is_little)
     return is_enough and not is_strained(search)
+
+
+def _is_told_by_most(search: Search) -> bool:
+    """Whether channels whose noise is told say that nothing is left, where that of others is only an estimate."""
+    return is_all_told(search.fitted()) and not is_strained(search)
 
 
 def _cheaper(near: Discovery, wide: Discovery) -> Discovery:
@@ -222,7 +228,8 @@ def _is_confirmed(found: Discovery, look: Look) -> bool:
     if len(found.findings) != 1 or found.search.normalised > UNEXPLAINED or look.winner is None:
         return False
     is_same = look.winner.identity == found.findings[0].leader.identity
-    return is_same and look.winner.search.excess > (1.0 - HARDLY_LESS) * found.search.excess
+    wide, near = look.winner.search, found.search
+    return is_same and (near.deviance - wide.deviance < TIE or wide.excess > (1.0 - HARDLY_LESS) * near.excess)
 
 
 def _first_look(inquiry: Inquiry, near: Look) -> tuple[Search, Look]:

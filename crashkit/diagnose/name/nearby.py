@@ -1,11 +1,12 @@
 """What the best claim from the numbers as they are leads to."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from attrs import evolve, field, frozen
 
 from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import UNEXPLAINED, by_evidence, is_unknown
+from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.follow import Discovery, followed
 from crashkit.diagnose.name.forms import in_best_forms
@@ -13,7 +14,7 @@ from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.leaders import coupled_leaders
 from crashkit.diagnose.name.look import FORM_ERRORS, Look, compared, look_again
 from crashkit.diagnose.name.pace import check_pace
-from crashkit.diagnose.name.pairs import both
+from crashkit.diagnose.name.pairs import both, named_beside
 from crashkit.diagnose.name.rivals import CONCEALED, COUPLED
 from crashkit.diagnose.name.settle import settled
 from crashkit.diagnose.name.two_places import couples_at_two_places
@@ -58,32 +59,50 @@ def followed_nearby(inquiry: Inquiry, near: Look) -> Nearby:
     two = _two_at_once(inquiry, near, search)
     if two is not None:
         return Nearby(near, two)
-    first = first if is_unknown(near.leader) else near
-    look = look_again(inquiry, search.fitted(), [winner], quick=search.normalised > CONCEALED)
-    if search.normalised > CONCEALED and not (_completes(look) or _is_most(search, inquiry.base, look)):
-        return Nearby(near, beside=look)
+    return _with_a_second(inquiry, near, first if is_unknown(near.leader) else near, search)
+
+
+def _with_a_second(inquiry: Inquiry, near: Look, first: Look, search: Search) -> Nearby:
+    """What is found beside the first cause; where that leaves much, only what leaves next to nothing then.
+
+    Arguments:
+        search: the fit with the first.
+    """
+    look = look_again(inquiry, search.fitted(), [first.leader], quick=search.normalised > CONCEALED)
+    if search.normalised > CONCEALED:
+        look = in_time(look, named_beside, inquiry, look, [first])
+        if not (_completes(look) or _is_most(search, inquiry.base, look)):
+            return Nearby(near, in_time(None, _two_of_all, inquiry, near, search), look)
     found, _ = followed(inquiry, [first], look)
     return Nearby(near, found, look)
 
 
 def _two_at_once(inquiry: Inquiry, near: Look, alone: Search) -> Discovery | None:
-    """What two causes at once lead to, if they leave nothing to speak of and far less than one alone."""
-    if alone.normalised < UNEXPLAINED:
+    """What two of the causes that lead, or that estimates point to, come to."""
+    return _first_two(inquiry, near, alone, _leading(inquiry, near, alone)) if alone.normalised >= UNEXPLAINED else None
+
+
+def _two_of_all(inquiry: Inquiry, near: Look, alone: Search) -> Discovery | None:
+    """What two of all causes come to, where one alone does for most of what was left, as the others that lead then only do for
+    its form: else these are asked later, after each alone."""
+    if alone.excess >= FOLLOWED * inquiry.base.excess:
         return None
-    for couples in _couples(inquiry, near, alone):
+    return _first_two(inquiry, near, alone, [inquiry.from_given.couples(alone.excess)])
+
+
+def _first_two(inquiry: Inquiry, near: Look, alone: Search, asked: Iterable[Sequence[Couple]]) -> Discovery | None:
+    """What the first of these couples leads to that leaves nothing to speak of and far less than one cause alone."""
+    for couples in asked:
         begun = both(inquiry, evolve(near, couples=tuple(couples))) if _are_all(couples, alone) else None
         if begun is not None:
             return followed(inquiry, [begun[0]], begun[1])[0]
     return None
 
 
-def _couples(inquiry: Inquiry, near: Look, alone: Search) -> Iterator[list[Couple]]:
-    """Those of the leading causes, those that estimates point to, and those of all where one alone does for most of what was
-    left, as the others that lead then only do for its form: else these are asked later, after each alone."""
+def _leading(inquiry: Inquiry, near: Look, alone: Search) -> Iterator[list[Couple]]:
+    """Couples of the causes that lead, and of those that estimates point to."""
     yield coupled_leaders(inquiry, [rival for rival in near.rivals if not is_unknown(rival)][:LEADERS])
     yield couples_at_two_places(inquiry, near, alone)
-    if alone.excess < FOLLOWED * inquiry.base.excess:
-        yield inquiry.from_given.couples(alone.excess)
 
 
 def _are_all(couples: Sequence[Couple], alone: Search) -> bool:

@@ -78,7 +78,8 @@ class Further:
 def nearest_rivals(
     workshop: Workshop, base: Misfit, proposals: Sequence[Proposal], least: Callable[[Proposal], float], progress: Progress
 ) -> tuple[list[Rival], list[Limit]]:
-    """The fits from the best numbers of the model without the claims, the most evident first, and the smallest effects seen.
+    """The fits from the best numbers of the model without the claims, the most evident first, and the smallest effects seen;
+    of a model that leaves much none of these, as it is scored at few samples.
 
     Arguments:
         base: the misfit of that model, at its best fit.
@@ -86,14 +87,21 @@ def nearest_rivals(
         least: the drop in chi squared that a claim needs to be a finding.
         progress: told what is being done and how far it is (0 to 1).
     """
-    residual = base.residual(base.start())
     normalised, strained = standing(base)
     plain = [proposal for proposal in proposals if not proposal.refined]
-    scored = scores(workshop, base, plain, float(residual @ residual), progress)
+    # Where much is left, a few samples tell as well where to begin.
+    at_first = base if normalised < CONCEALED else base.coarse
+    scored = scores(workshop, at_first, plain, _squares(at_first), progress)
     at_noise = normalised < FLOOR and not strained
     chosen = promising(scored, STARTS, lambda proposal: NOISE_PROMISE * least(proposal) if at_noise else LEAST_PROMISE)
     ahead = _ahead(workshop, base, chosen, progress)
-    return ranked_by_evidence(heats(ahead, HEATS, progress), base.deviance(residual)), _limits(scored)
+    reference = base.deviance(base.residual(base.start()))
+    return ranked_by_evidence(heats(ahead, HEATS, progress), reference), _limits(scored) if at_first is base else []
+
+
+def _squares(misfit: Misfit) -> float:
+    residual = misfit.residual(misfit.start())
+    return float(residual @ residual)
 
 
 def _ahead(workshop: Workshop, base: Misfit, chosen: Sequence[Start], progress: Progress) -> list[Candidate]:

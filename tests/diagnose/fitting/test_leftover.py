@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from crashkit.diagnose.fitting.leftover import leaves_something, normalised
+from crashkit.diagnose.fitting.leftover import is_all_told, leaves_something, normalised
 
 STIFFNESS = "joint.first.elastic_stiffness"
 
@@ -26,6 +26,18 @@ def test_a_channel_whose_noise_nobody_states_is_no_witness(misfit, recorded, mod
     assert not leaves_something(right)
     assert normalised(off, told_only=True) > 2.0
     assert leaves_something(off)
+    assert is_all_told(right)
+    assert not is_all_told(off)
+
+
+def test_few_channels_do_not_speak_for_all(misfit, recorded, model):
+    """Of two, the one whose noise is told has a tenth of the samples."""
+
+    def rare(film):
+        return film.isel(time=slice(None, None, film.sizes["time"] // 4))
+
+    assert is_all_told(misfit(model, run=recorded(model, film=rare)))
+    assert not is_all_told(misfit(model, run=recorded(model, film=rare, accelerometer=filtered)))
 
 
 def test_the_residual_of_all_channels_is_that_of_their_samples_together(misfit, recorded, wrong, model):

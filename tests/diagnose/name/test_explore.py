@@ -24,7 +24,8 @@ SENSOR = {"sensor": "front_sensor", "instrument": "accelerometer"}
 def leaving(normalised, physics="fracture", location=None):
     """A look whose winner leaves so much."""
     point = SimpleNamespace(departure=lambda at: 0.0)
-    search = SimpleNamespace(normalised=normalised, excess=normalised**2 - 1.0, misfit=point, point=None)
+    square = normalised**2
+    search = SimpleNamespace(normalised=normalised, excess=square - 1.0, deviance=1e3 * square, misfit=point, point=None)
     rival = Rival(Proposal(physics, "", location or {"joint": "front"}, None, (), {}), search, 9000.0, 4500.0)
     return Look((rival,), (1.0,), 0.0, None)
 
@@ -39,6 +40,7 @@ def test_one_cause_is_enough_if_a_second_could_explain_too_little_to_be_told(mon
     """At 1.03 times the noise, where the model left so much."""
     monkeypatch.setattr(explore, "explains", lambda search: False)
     monkeypatch.setattr(explore, "is_sound", lambda search: True)
+    monkeypatch.setattr(explore, "_is_told_by_most", lambda search: False)
     assert _suffices(found(1.03), leaving(given).leader.search) is suffices
 
 
@@ -76,9 +78,11 @@ def test_a_claim_that_leaves_next_to_nothing_of_what_is_gross_is_followed():
 
 
 def test_what_everything_in_sight_only_confirms_is_told():
-    """By the same winner that leaves hardly less."""
+    """By the same winner that leaves hardly less, above the noise or below."""
     assert _is_confirmed(found(1.12), leaving(1.11))
+    assert _is_confirmed(found(0.966), leaving(0.964))
     assert not _is_confirmed(found(1.12), leaving(1.05))
+    assert not _is_confirmed(found(0.99), leaving(0.96))
     assert not _is_confirmed(found(1.12), leaving(1.11, "tension"))
     assert not _is_confirmed(found(1.12), Look((), (), 1.0, None))
     assert not _is_confirmed(found(1.12, ("fracture", "fracture")), leaving(1.11))

@@ -8,7 +8,7 @@ from attrs import evolve
 from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.name import nearby
 from crashkit.diagnose.name.look import Look
-from crashkit.diagnose.name.nearby import _two_at_once
+from crashkit.diagnose.name.nearby import _two_at_once, _two_of_all, _with_a_second
 
 
 def leaving(normalised):
@@ -35,7 +35,8 @@ def two(monkeypatch):
         monkeypatch.setattr(nearby, "followed", lambda inquiry, begun, look: (begun[0].couples, look))
         claims = SimpleNamespace(couples=answering("from_given", everyone))
         inquiry = SimpleNamespace(base=leaving(base), from_given=claims)
-        found = _two_at_once(inquiry, Look((), (), 1.0, None), leaving(alone))
+        question = inquiry, Look((), (), 1.0, None), leaving(alone)
+        found = _two_at_once(*question) or _two_of_all(*question)
         return [couple.search.normalised for couple in found] if found else None
 
     told.asked = asked
@@ -49,7 +50,7 @@ def test_two_leaders_that_leave_next_to_nothing_are_followed(two):
 
 def test_they_are_not_asked_for_where_one_alone_leaves_next_to_nothing(two):
     assert two(1.1, [1.0]) is None
-    assert two.asked == []
+    assert two.asked == ["from_given"]
 
 
 @pytest.mark.parametrize(
@@ -74,3 +75,42 @@ def test_else_those_at_two_places_are_and_then_those_of_all(two, alone, together
 def test_those_of_all_are_asked_later_where_one_alone_leaves_most(two):
     assert two(3.0, [], [], [1.0], base=3.5) is None
     assert "from_given" not in two.asked
+
+
+@pytest.fixture
+def second(monkeypatch):
+    """What is asked beside a first cause that leaves so much, where a look then leaves this much, and with a known cause
+    instead of an estimate that."""
+    asked = []
+
+    def look(normalised, physics):
+        rival = SimpleNamespace(proposal=SimpleNamespace(physics=physics), search=leaving(normalised))
+        return SimpleNamespace(winner=rival)
+
+    def asks(left, estimated, named):
+        def look_again(*_, quick):
+            asked.append("quick" if quick else "wide")
+            return look(estimated, "unknown")
+
+        monkeypatch.setattr(nearby, "look_again", look_again)
+        monkeypatch.setattr(nearby, "named_beside", lambda *_: asked.append("named") or look(named, "fracture"))
+        monkeypatch.setattr(nearby, "_two_of_all", lambda *_: asked.append("of all"))
+        monkeypatch.setattr(nearby, "followed", lambda *_: asked.append("followed") or (None, None))
+        inquiry = SimpleNamespace(base=leaving(9.0))
+        search = SimpleNamespace(fitted=lambda: None, **vars(leaving(left)))
+        _with_a_second(inquiry, None, SimpleNamespace(leader=None), search)
+        return asked
+
+    return asks
+
+
+def test_a_known_cause_instead_of_an_estimate_completes_what_leaves_much(second):
+    assert second(3.0, 1.5, named=1.02) == ["quick", "named", "followed"]
+
+
+def test_couples_of_all_causes_are_asked_where_nothing_completes_it(second):
+    assert second(3.0, 2.5, named=2.4) == ["quick", "named", "of all"]
+
+
+def test_what_leaves_little_is_followed_at_once(second):
+    assert second(1.2, 1.1, named=1.0) == ["wide", "followed"]
