@@ -25,8 +25,9 @@ from crashkit.diagnose.name.twins import beside_twins
 from crashkit.diagnose.refining import refined
 from crashkit.diagnose.result import Diagnosis
 from crashkit.diagnose.show.answer import answer
-from crashkit.diagnose.show.words import cut_short, nothing_predicted
+from crashkit.diagnose.show.words import cut_short, not_simulated, nothing_predicted
 from crashkit.diagnose.workshop import Workshop
+from crashkit.errors import SimulationError
 from crashkit.misfit import fine_step
 from crashkit.model import Model
 
@@ -54,13 +55,18 @@ def diagnose(
     limit = TimeLimit(seconds, progress)
     rehearsed = workshop.rehearsed(model, [*recordings.values(), *holdout.values()])
     equipped, discovery = _discovered_in(rehearsed, model, recordings, limit)
-    together = None if limit.is_over else fitted_together(equipped, discovery, model, recordings, holdout)
-    if together is not None and is_contradicted(discovery, together):
-        looks = leading_looks(discovery)
-        again, asked_again = _discovered_in(rehearsed, model, {**recordings, **holdout}, limit, looks)
-        if not limit.is_over:
-            return nothing_predicted(answer(again, asked_again, model, {}), tuple(holdout))
-    told = answer(equipped, discovery, model, holdout, together)
+    try:
+        together = None if limit.is_over else fitted_together(equipped, discovery, model, recordings, holdout)
+        if together is not None and is_contradicted(discovery, together):
+            looks = leading_looks(discovery)
+            again, asked_again = _discovered_in(rehearsed, model, {**recordings, **holdout}, limit, looks)
+            if not limit.is_over:
+                return nothing_predicted(answer(again, asked_again, model, {}), tuple(holdout))
+        told = answer(equipped, discovery, model, holdout, together)
+    except SimulationError as error:
+        if not holdout:
+            raise
+        told = not_simulated(answer(equipped, discovery, model, {}), tuple(holdout), error)
     return cut_short(told, seconds) if limit.is_over else told
 
 

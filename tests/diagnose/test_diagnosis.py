@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+import xarray as xr
 from attrs import evolve
 
 from crashkit.data.channel_filter import filter_channel
@@ -23,10 +24,11 @@ def diagnosed(workshop, model, recorded):
     """The diagnosis of a model 8 % off, from runs at two speeds and a faster one that is held out."""
     believed = model.with_values({path: 1.08 * p.value for path, p in model.free_parameters().items()})
 
-    def run(true=model, speeds=SPEEDS, rivals=RIVALS, **changes):
+    def run(true=model, speeds=SPEEDS, rivals=RIVALS, held_out=lambda run: run, **changes):
         few = evolve(workshop, hypotheses={name: workshop.hypotheses[name] for name in rivals})
         runs = {name: recorded(true, speed, seed, **changes) for seed, (name, speed) in enumerate(speeds.items(), 1)}
-        return diagnose(believed, {name: runs[name] for name in ("slow.nc", "fast.nc")}, {"faster.nc": runs["faster.nc"]}, few)
+        fitted = {name: runs[name] for name in ("slow.nc", "fast.nc")}
+        return diagnose(believed, fitted, {"faster.nc": held_out(runs["faster.nc"])}, few)
 
     return run
 
@@ -166,6 +168,18 @@ def test_what_only_the_held_out_run_shows_is_found_and_nothing_is_called_predict
     assert stopped_late.fits["holdout"] == {} and stopped_late.curves["faster.nc/film"].attrs["holdout"] == 0
     assert stopped_late.summary.endswith(stopped_late.notes[0])
     assert stopped_late.notes[0].startswith("faster.nc: ") and "nothing here was predicted" in stopped_late.notes[0]
+
+
+def test_a_held_out_run_that_cannot_be_simulated_is_not_predicted_and_all_else_is_told(diagnosed):
+    def hurled(run):
+        state = run["initial"].to_dataset(inherit=False)
+        return run.assign({"initial": xr.DataTree(state.assign(velocity=1e305 * state["velocity"]))})
+
+    told = diagnosed(held_out=hurled)
+    assert told.verdict == "consistent"
+    assert told.fits["holdout"] == {}
+    assert told.notes[0].startswith("faster.nc: not predicted, as that cannot be simulated: model one degree of freedom: ")
+    assert told.summary.endswith(told.notes[0])
 
 
 def test_so_it_is_where_the_noise_of_an_instrument_is_open(stopping_late, model):

@@ -11,6 +11,7 @@ from crashkit.errors import CrashkitError, SimulationError
 from crashkit.mechanics import Simulator, compile_engine, functions_of, simulate
 from crashkit.model import Body, Joint, Model, Parameter
 from crashkit.protocols import ParameterSpec, SpringLaw
+from crashkit.testing import toys
 
 TIMES = np.linspace(0.0, 3.0, 31)
 
@@ -299,3 +300,16 @@ def test_a_force_that_is_not_finite(strange, against_wall):
     laws, engine = strange
     with pytest.raises(SimulationError, match="the force of joint spring between wall and mass at t = .* s is not finite"):
         Simulator(against_wall("pole", {"scale": 1e-3}), laws, engine).run(TIMES, step=1e-3)
+
+
+def test_a_force_that_has_no_value_beyond_its_end_is_left_where_places_are_rounded(laws):
+    """A hook whose pull is a power of how far it is stretched, between bodies metres from the origin."""
+    random, toy = np.random.default_rng(0), toys.two_degrees()
+    for _ in range(30):
+        play, force, exponent, speed = random.uniform((1e-3, 5e3, 1.0, 0.5), (0.02, 5e4, 3.0, 1.3))
+        numbers = {"play": Parameter(play), "pull_force": Parameter(force), "pull_exponent": Parameter(exponent)}
+        hooked = evolve(toy, joints=(*toy.joints, Joint("hook", toy.joints[1].bodies, "hook", numbers)))
+        motion = Simulator(hooked, laws).run(np.arange(601) * 5e-4, initial=toys.initial_state(hooked, speed), step=5e-4)
+        deformation, pull = motion["deformation"].sel(joint="hook").values, motion["force"].sel(joint="hook").values
+        stretched = np.maximum.accumulate(np.maximum(deformation, 0.0)) - deformation - play
+        assert (pull <= 0.0).all() and (pull[stretched < 0.0] == 0.0).all()

@@ -11,6 +11,7 @@ from crashkit.diagnose.fitting.evidence import FLOOR
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.result import IN_WORDS, Diagnosis, Estimate, Finding, Fit, place_of
 from crashkit.diagnose.show.fits import is_beyond, is_explained, is_worse
+from crashkit.errors import SimulationError
 from crashkit.model import Model, Parameter
 from crashkit.protocols import Identification
 
@@ -135,6 +136,12 @@ def nothing_predicted(diagnosis: Diagnosis, runs: Sequence[str]) -> Diagnosis:
         f"{', '.join(runs)}: what explains the other runs cannot explain this beside them, whatever its numbers, so it was "
         "fitted too; nothing here was predicted, hold another run out"
     )
+    return evolve(diagnosis, summary=f"{diagnosis.summary}\n{sentence}", notes=(sentence, *diagnosis.notes))
+
+
+def not_simulated(diagnosis: Diagnosis, runs: Sequence[str], error: SimulationError) -> Diagnosis:
+    """The diagnosis of a model that cannot be simulated in the runs that were held out, and says so."""
+    sentence = f"{', '.join(runs)}: not predicted, as that cannot be simulated: {error}"
     return evolve(diagnosis, summary=f"{diagnosis.summary}\n{sentence}", notes=(sentence, *diagnosis.notes))
 
 

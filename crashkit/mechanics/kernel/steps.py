@@ -13,9 +13,9 @@ is ddot; otherwise d_max stands still and its guard is d_max - d.
 import math
 
 from crashkit.mechanics.kernel.arrays import END, NONE, START
-from crashkit.mechanics.kernel.forces import accelerate_stage, kinematics
+from crashkit.mechanics.kernel.forces import ROUNDING, accelerate_stage, kinematics
 from crashkit.mechanics.kernel.line import DOF, locate
-from crashkit.mechanics.kernel.stand_ins import compiled, law_mode
+from crashkit.mechanics.kernel.stand_ins import compiled, inlined, law_mode
 
 # ---- compiled from here ----
 
@@ -43,16 +43,23 @@ def try_step(bodies, joints, functions, parameters, given, state, t, piece, h):
     return guard, culprit, inside
 
 
+@inlined
+def change_within(ahead, rate):
+    """What changes at a rate within so many seconds ahead; by no less than rounding, or it would seem not to."""
+    change = ahead * rate
+    return change if ahead == 0.0 or rate == 0.0 else math.copysign(max(abs(change), ROUNDING), rate)
+
+
 @compiled
 def choose_branches_of(bodies, joint, functions, parameters, state, ahead):
     """Take the branches of a joint anew from the state at START, looking `ahead` seconds; freeze or free its d_max."""
-    first = state.shape[1] // 2 + DOF * bodies.size
+    first, second = state.shape[1] // 2 + DOF * bodies.size, 0.0
     d, ddot = kinematics(bodies, joint, state, START)
     a, b = first + DOF * joint.first, first + DOF * joint.second
     for i in range(DOF):
-        second = joint.gradient[i] * state[START, a + i] + joint.gradient[DOF + i] * state[START, b + i]
-        ddot += ahead * second
-    d += ahead * ddot
+        second += joint.gradient[i] * state[START, a + i] + joint.gradient[DOF + i] * state[START, b + i]
+    ddot += change_within(ahead, second)
+    d += change_within(ahead, ddot)
     before = joint.loading
     if before:
         joint.d_max = d

@@ -28,3 +28,19 @@ def test_a_claim_about_a_sensor_begins_at_several_starts_and_one_about_the_struc
 
 def test_each_begins_at_its_best_where_more_are_asked_than_enter_the_first_heat(begun):
     assert begun(rivals.HEATS[0][0] + 1) == [1, 1]
+
+
+@pytest.mark.parametrize(("factor", "is_few", "seen"), [(1.0, False, ["smallest"]), (0.5, True, [])])
+def test_where_much_is_left_few_samples_say_where_to_begin_and_no_limits(
+    monkeypatch, workshop, misfit, model, recorded, factor, is_few, seen
+):
+    stiffness = "joint.first.elastic_stiffness"
+    off = model.with_values({stiffness: factor * model.parameters()[stiffness].value})
+    base, asked = misfit(off, run=recorded(model)), []
+    monkeypatch.setattr(rivals, "scores", lambda workshop, origin, *_: asked.append(origin) or [])
+    monkeypatch.setattr(rivals, "_ahead", lambda *_: [])
+    monkeypatch.setattr(rivals, "heats", lambda *_: [])
+    monkeypatch.setattr(rivals, "_limits", lambda scored: ["smallest"])
+    _, limits = rivals.nearest_rivals(workshop, base, [], lambda proposal: 20.0, lambda doing, share: None)
+    assert (asked[0].sample_count < base.sample_count) is is_few
+    assert limits == seen

@@ -73,6 +73,12 @@ def test_the_drop_of_each_run_is_its_own(misfit, model, recorded):
     assert drops["good"] > 100.0
 
 
+def test_where_a_model_cannot_be_simulated_without_a_finding_all_runs_show_it(misfit, model, recorded):
+    after = misfit(model, slow=recorded(model, 0.9), fast=recorded(model, 1.2))
+    before = after.with_values({"joint.first.elastic_stiffness": 1e308, "joint.first.crush_force": 1e308})
+    assert run_drops(before, after) == {"slow": np.inf, "fast": np.inf}
+
+
 def shifted(dataset):
     return dataset.assign(position=dataset["position"] + 2e-3)
 
