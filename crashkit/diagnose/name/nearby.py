@@ -25,6 +25,8 @@ LEADERS = 6
 """How many known causes that lead are put beside each other."""
 ALMOST_ALL = 0.2
 """Of what is left above the noise: a claim that leaves more of it is hardly all there is, in whatever form."""
+NEXT_TO_NOTHING = 0.05
+"""Of what one cause alone leaves above the noise: two that leave less are hardly others, in whatever forms."""
 
 
 @frozen
@@ -71,7 +73,7 @@ def _with_a_second(inquiry: Inquiry, near: Look, first: Look, search: Search) ->
     look = look_again(inquiry, search.fitted(), [first.leader], quick=search.normalised > CONCEALED)
     if search.normalised > CONCEALED:
         look = in_time(look, named_beside, inquiry, look, [first])
-        if not (_completes(look) or _is_most(search, inquiry.base, look)):
+        if not (_completes(look, search) or _is_most(search, inquiry.base, look)):
             return Nearby(near, in_time(None, _two_of_all, inquiry, near, search), look)
     found, _ = followed(inquiry, [first], look)
     return Nearby(near, found, look)
@@ -128,6 +130,9 @@ def _is_most(search: Search, base: Search, look: Look) -> bool:
     return is_followed and search.excess < FORM_ERRORS[1] * base.excess
 
 
-def _completes(look: Look) -> bool:
-    """Whether a known claim leaves next to nothing."""
-    return look.winner is not None and not is_unknown(look.winner) and look.winner.search.normalised < UNEXPLAINED
+def _completes(look: Look, without: Search) -> bool:
+    """Whether a known claim leaves next to nothing, or of what there is without it, as forms may be a little off."""
+    if look.winner is None or is_unknown(look.winner):
+        return False
+    left = look.winner.search
+    return left.normalised < UNEXPLAINED or left.excess < NEXT_TO_NOTHING * without.excess

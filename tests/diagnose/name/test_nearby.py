@@ -112,5 +112,9 @@ def test_couples_of_all_causes_are_asked_where_nothing_completes_it(second):
     assert second(3.0, 2.5, named=2.4) == ["quick", "named", "of all"]
 
 
+def test_a_second_cause_that_leaves_a_twentieth_completes_it_though_forms_are_off(second):
+    assert second(5.0, 1.5, named=1.4) == ["quick", "named", "followed"]
+
+
 def test_what_leaves_little_is_followed_at_once(second):
     assert second(1.2, 1.1, named=1.0) == ["wide", "followed"]
