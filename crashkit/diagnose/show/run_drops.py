@@ -9,7 +9,7 @@ from crashkit.misfit import Misfit
 
 
 def run_drops(before: Misfit, after: Misfit) -> dict[str, float]:
-    """By how much chi squared drops in each run, weighed as before; without end where the model cannot be simulated before."""
+    """By how much chi squared drops in each run, weighed as before; infinite where the model cannot be simulated before."""
     try:
         alike = [misfit.channel_sums(misfit.residual(misfit.start())) * _levels(misfit) ** 2 for misfit in (before, after)]
     except SimulationError:
