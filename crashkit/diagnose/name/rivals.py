@@ -91,7 +91,7 @@ def nearest_rivals(
     plain = [proposal for proposal in proposals if not proposal.refined]
     # Where much is left, a few samples tell as well where to begin.
     at_first = base if normalised < CONCEALED else base.coarse
-    scored = scores(workshop, at_first, plain, _squares(at_first), progress)
+    scored = scores(workshop, at_first, plain, 2.0 * _cost(workshop, at_first), progress)
     at_noise = normalised < FLOOR and not strained
     chosen = promising(scored, STARTS, lambda proposal: NOISE_PROMISE * least(proposal) if at_noise else LEAST_PROMISE)
     ahead = _ahead(workshop, base, chosen, progress)
@@ -99,17 +99,12 @@ def nearest_rivals(
     return ranked_by_evidence(heats(ahead, HEATS, progress), reference), _limits(scored) if at_first is base else []
 
 
-def _squares(misfit: Misfit) -> float:
-    residual = misfit.residual(misfit.start())
-    return float(residual @ residual)
-
-
 def _ahead(workshop: Workshop, base: Misfit, chosen: Sequence[Start], progress: Progress) -> list[Candidate]:
     """Short fits of the claims about the structure, and of those about a sensor that may explain half as much as the best."""
     astray, most = _astray(workshop, base), HEATS[0][0]
     structure, readings = ([one for one in chosen if (sensor_of(one[0]) is not None) is read] for read in (False, True))
     ahead = scouted(workshop, base, first_of_each(structure, 1), (1.0,), most, astray, progress)
-    cost = float(begin(workshop.identifier, base).state.cost)
+    cost = _cost(workshop, base)
     best = min((search.state.cost for _, search in ahead), default=cost)
     readings = readings if len(readings) <= most else first_of_each(readings, 1)
     further = that_may_reach(workshop.identifier, base, readings, cost - SENSOR_SHARE * (cost - best))
@@ -159,7 +154,12 @@ def may_conceal(base: Misfit) -> bool:
 
 def _astray(workshop: Workshop, base: Misfit) -> float:
     """What the model without any claim leaves at few instants."""
-    return float(begin(workshop.identifier, base.coarse).state.cost)
+    return _cost(workshop, base.coarse)
+
+
+def _cost(workshop: Workshop, misfit: Misfit) -> float:
+    """Half the sum of squares that a model leaves at its own values."""
+    return float(begin(workshop.identifier, misfit).state.cost)
 
 
 def _from_given(claims: FromGiven, astray: float) -> tuple[list[Candidate], list[Couple]]:
