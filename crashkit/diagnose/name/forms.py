@@ -112,7 +112,8 @@ def _apart(ranked: Sequence[Candidate]) -> list[Candidate]:
 
 def _starts(form: Proposal, present: Proposal, found: Mapping[str, float]) -> Sequence[Mapping[str, float]]:
     """Of the present form also where it stands; numbers of the same name may lead another form back to what this one does."""
-    return [*form.starts, found] if form.form == present.form else form.starts
+    stands = form.form == present.form and found.keys() >= set(form.parameters)
+    return [*form.starts, found] if stands else form.starts
 
 
 def _alone(workshop: Workshop, origin: Misfit, present: Misfit, start: Start) -> Mapping[str, float]:

@@ -126,7 +126,7 @@ def _contested(inquiry: Inquiry, look: Look, found: Sequence[Rival]) -> Look:
     close = [rival for rival in here[: 1 + CHALLENGERS] if _is_close(rival, winner)]
     if winner.search.normalised > CONCEALED or len(close) < 2:
         return look
-    fitted = [one for rival in close for one in in_all_forms(inquiry, rival, found, rival.search)]
+    fitted = [one for rival in close for one in in_all_forms(inquiry, rival, found, winner.search)]
     forms = ranked_by_evidence(fitted, winner.without)
     told = compared(look, best_forms(by_evidence([*look.rivals, *forms])))
     if not explains(told.leader.search):
