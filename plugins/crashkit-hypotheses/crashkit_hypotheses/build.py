@@ -127,9 +127,9 @@ def grounded(model: Model, body: Body, effect: Effect, across: bool = False) -> 
     return _joined(evolve(model, bodies=(*model.bodies, ground)), held, {"body": body.name}, effect)
 
 
-def between(model: Model, pair: tuple[str, str], effect: Effect) -> Proposal:
-    """A joint between two bodies that have none."""
-    joint = Joint(f"{pair[0]}_{pair[1]}_{effect.physics}", pair, effect.law, dict(effect.parameters))
+def between(model: Model, pair: tuple[str, str], effect: Effect, factors: tuple[str, ...] = ()) -> Proposal:
+    """A joint between two bodies that have none, and factors on its force."""
+    joint = Joint(f"{pair[0]}_{pair[1]}_{effect.physics}", pair, effect.law, dict(effect.parameters), factors=factors)
     return _joined(model, joint, {"bodies": list(pair)}, effect)
 
 

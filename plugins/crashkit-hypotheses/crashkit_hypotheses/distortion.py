@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import ClassVar
 
+import numpy as np
 import xarray as xr
 from attrs import evolve
 from scipy.constants import g
@@ -10,6 +11,7 @@ from scipy.constants import g
 from crashkit.model import Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import Effect, grid
+from crashkit_hypotheses.crossing import lean_across
 from crashkit_hypotheses.ringing import HIGHEST, LOWEST, ringing_frequencies
 from crashkit_hypotheses.rocking import ERRORS, TURNS, rocking
 from crashkit_hypotheses.sensors import Sensor, faulty, sensors_with
@@ -20,6 +22,9 @@ UNCLIPPED = 1e4
 LEANS, STEEPEST = (-0.3, 0.3), 1.2
 """Angles of a sensor that leans towards gravity, rad: to start from, and at most."""
 LEANING = {"lean": Parameter(0.0, -STEEPEST, STEEPEST), "bias": Parameter(0.0, -2.0 * g, 2.0 * g)}
+TOLD, TOLD_ODDS = 0.1, 1e4
+"""How far such an angle may be off what the other axes of the sensor tell, of that; and the odds of a lean that they tell against
+anything else that changes what it reads along its own."""
 LIMITS = {
     "limit": "saturation",
     "above": "saturation_above",
@@ -94,8 +99,10 @@ class Misalignment(Hypothesis):
     """recorded = R(tilt) e . true, or (e + transverse) . true, for a channel along e.
 
     On a line, recorded = cos(lean) true + g sin(lean) + b. The offset b is 0 where gravity was not balanced out before the
-    shock. Where all of it was, this is a gain below 1, as `GainError` says. Where the body also moves along the other axis,
-    swinging as it is braked, the sensor reads a share of that (see `Rotation`) which no film of the body shows.
+    shock. Where all of it was, this is a gain below 1, as `GainError` says, unless the sensor has other axes, which read
+    sin(lean) true: the model says nothing of those, but what they share with the first tells the angle. Where the body also moves
+    along the other axis, swinging as it is braked, the sensor reads a share of that (see `Rotation`) which no film of the body
+    shows.
     """
 
     physics: ClassVar[str] = "misalignment"
@@ -107,13 +114,21 @@ class Misalignment(Hypothesis):
         if len(model.axes) == 1:
             sensors = sensors_with(["lean", "bias", *ERRORS], model, recordings)
             heaving = [self._heaving(model, sensor, duration(motion)) for sensor in sensors] if motion else []
-            return [*(self._leaning(model, sensor) for sensor in sensors), *heaving]
+            told = [(sensor, lean_across(sensor, model.axes[0], recordings)) for sensor in sensors]
+            across = [self._leaning_across(model, sensor, angle) for sensor, angle in told if angle]
+            return [*(self._leaning(model, sensor) for sensor in sensors), *across, *heaving]
         tilts = [f"tilt_{axis}" for axis in _turning_axes(model)]
         shares = [f"transverse_{axis}" for axis in model.axes]
         return [*self._tilted(model, recordings, "tilt", tilts), *self._tilted(model, recordings, "transverse", shares)]
 
     def _leaning(self, model: Model, sensor: Sensor) -> Proposal:
         return faulty(model, sensor, Effect(self.physics, "lean", "", LEANING, "lean", grid(lean=LEANS)))
+
+    def _leaning_across(self, model: Model, sensor: Sensor, angle: float) -> Proposal:
+        lean = Parameter(angle, (1.0 - TOLD) * angle, min((1.0 + TOLD) * angle, STEEPEST))
+        starts = grid(lean=(lean.value,), bias=(0.0, -g * float(np.sin(angle))))
+        effect = Effect(self.physics, "lean, told across", "", LEANING | {"lean": lean}, "lean", starts)
+        return evolve(faulty(model, sensor, effect), null={}, odds=TOLD_ODDS)
 
     def _heaving(self, model: Model, sensor: Sensor, longest: float) -> Proposal:
         errors = rocking(longest) | LEANING

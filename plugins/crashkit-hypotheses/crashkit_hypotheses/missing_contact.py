@@ -20,13 +20,15 @@ CRUSHED, LENGTHS = (0.3, 0.6, 0.85), (0.05, 0.5)
 """The same of one that is crushed, and the way over which its force rises."""
 LOSS = 0.2
 """s/m, of one that takes up energy as it is struck, to start from."""
+RUBBING = {"friction_share": Parameter(0.3, 0.0, 1.0), "slip_rate": Parameter(0.1, 1e-3, 1.0)}
+"""Of one that gives back less than it took, each time."""
 RELEASE = 5.0
 """Its slope on the way back, relative to that on the way in, to start from."""
 
 
 class MissingContact(Hypothesis):
     """A joint between two bodies that have none: F = k x, c x^2 or P x^n (1 + c ddot), x = max(0, d - gap), or one crushed,
-    to a plateau or to densification beyond it."""
+    to a plateau or to densification beyond it; or P x^n that rubs."""
 
     physics: ClassVar[str] = "missing_contact"
     sentence: ClassVar[str] = "{place} touch, which the model does not know"
@@ -38,11 +40,15 @@ class MissingContact(Hypothesis):
         return [
             form
             for pair, reached in pairs
-            for form in (*self._forms(model, pair, reached), self._member(model, pair, reached, force))
+            for form in (
+                *self._forms(model, pair, reached),
+                self._rubbing(model, pair, reached),
+                self._member(model, pair, reached, force),
+            )
         ]
 
     def _forms(self, model: Model, pair: tuple[str, str], reached: float) -> list[Proposal]:
-        gap = {"stop_deformation": Parameter(0.5 * reached, 0.0, reached)}
+        gap = _gap(reached)
         line = {"stiffness": Parameter(0.0, 0.0, 1e10)}
         parabola = {"coefficient": Parameter(0.0, 0.0, 1e12)}
         crushed = {
@@ -50,12 +56,7 @@ class MissingContact(Hypothesis):
             "crush_length": Parameter(0.5 * reached, 1e-3 * reached, 10.0 * reached),
             "release": Parameter(RELEASE, 1.0, 1e3),
         }
-        damped = {
-            "force": Parameter(0.0, 0.0, 1e9),
-            "exponent": Parameter(1.5, 1.0, 4.0),
-            "loss": Parameter(LOSS, 0.0, 10.0),
-            "way": Parameter(0.1 * reached, fixed=True),
-        }
+        damped = _power(reached) | {"loss": Parameter(LOSS, 0.0, 10.0)}
         engaging, stiffening = _starts(reached, stop_deformation=LINE), _starts(reached, stop_deformation=STIFFENING)
         crushing = _starts(reached, stop_deformation=CRUSHED, crush_length=LENGTHS)
         effects = (
@@ -65,6 +66,13 @@ class MissingContact(Hypothesis):
             Effect(self.physics, "crushed", "crush_stop", crushed | gap, "stiffness", crushing),
         )
         return [between(model, pair, effect) for effect in effects]
+
+    def _rubbing(self, model: Model, pair: tuple[str, str], reached: float) -> Proposal:
+        """P x^n (1 + share tanh(ddot / slip_rate)): of what it takes, a share never comes back."""
+        starts = _starts(reached, stop_deformation=STIFFENING)
+        rubbing = _power(reached) | _gap(reached) | RUBBING
+        effect = Effect(self.physics, "power, rubbing", "power_stop", rubbing, "force", starts)
+        return evolve(between(model, pair, effect, ("rubbing",)), refined=True)
 
     def _member(self, model: Model, pair: tuple[str, str], reached: float, force: float) -> Proposal:
         """A whole member between the two, as a model's own are: elastic, a plateau, densification, behind a gap.
@@ -84,6 +92,18 @@ class MissingContact(Hypothesis):
         gaps = grid(clearance=[share * reached for share in LINE[:4]], crush_force=[0.1 * force, 0.4 * force])
         effect = Effect(self.physics, "member", "crush_plateau", member, "crush_force", gaps, null=None)
         return evolve(between(model, pair, effect), refined=True)
+
+
+def _gap(reached: float) -> dict[str, Parameter]:
+    return {"stop_deformation": Parameter(0.5 * reached, 0.0, reached)}
+
+
+def _power(reached: float) -> dict[str, Parameter]:
+    return {
+        "force": Parameter(0.0, 0.0, 1e9),
+        "exponent": Parameter(1.5, 1.0, 4.0),
+        "way": Parameter(0.1 * reached, fixed=True),
+    }
 
 
 def _starts(reached: float, **shares: Sequence[float]) -> list[dict[str, float]]:
