@@ -25,7 +25,8 @@ class Proposal:
         starts: values of the new parameters to start a fit from, one mapping each.
         refined: whether it is a finer form of a claim that has simpler ones: it is only tried where these leave something, or
             where an unknown force would be told.
-        odds: of this form beforehand, where several share the odds of one claim.
+        odds: of this form beforehand, where several share the odds of one claim; above 1 where channels speak for it that no
+            misfit holds.
         estimate_of: what a force of no known law, which is estimated, depends on: "deformation"; "distance" of a joint's ends,
             which also acts while they are apart; "rate", "time", "speed", "travel", or "deformation of another joint".
     """

@@ -43,11 +43,11 @@ class Suspect:
     told: str = ""
 
     def concerns(self, proposal: Proposal, model: Model) -> bool:
-        """Whether a proposal says no more than what such a sensor reads, and not otherwise than kinematics do.
+        """Whether a proposal says no more than what such a sensor reads, and not otherwise than kinematics or its own channels do.
 
         What a law of the structure is off by, an error in another form would seem to explain better.
         """
-        if self.told not in ("", proposal.physics):
+        if self.told not in ("", proposal.physics) and proposal.odds <= 1.0:
             return False
         place = proposal.location
         of_readings = (proposal.model.bodies, proposal.model.joints) == (model.bodies, model.joints)

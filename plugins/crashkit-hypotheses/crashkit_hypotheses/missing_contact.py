@@ -72,7 +72,7 @@ class MissingContact(Hypothesis):
         starts = _starts(reached, stop_deformation=STIFFENING)
         rubbing = _power(reached) | _gap(reached) | RUBBING
         effect = Effect(self.physics, "power, rubbing", "power_stop", rubbing, "force", starts)
-        return evolve(between(model, pair, effect, ("rubbing",)), refined=True)
+        return between(model, pair, effect, ("rubbing",))
 
     def _member(self, model: Model, pair: tuple[str, str], reached: float, force: float) -> Proposal:
         """A whole member between the two, as a model's own are: elastic, a plateau, densification, behind a gap.
