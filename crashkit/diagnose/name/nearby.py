@@ -72,7 +72,8 @@ def _with_a_second(inquiry: Inquiry, near: Look, first: Look, search: Search) ->
     """
     look = look_again(inquiry, search.fitted(), [first.leader], quick=search.normalised > CONCEALED)
     if search.normalised > CONCEALED:
-        look = in_time(look, named_beside, inquiry, look, [first])
+        if _may_be_one(look, search):
+            look = in_time(look, named_beside, inquiry, look, [first])
         if not (_completes(look, search) or _is_most(search, inquiry.base, look)):
             return Nearby(near, in_time(None, _two_of_all, inquiry, near, search), look)
     found, _ = followed(inquiry, [first], look)
@@ -128,6 +129,11 @@ def _is_most(search: Search, base: Search, look: Look) -> bool:
     winner = look.winner
     is_followed = winner is not None and not is_unknown(winner) and winner.search.excess < FOLLOWED * search.excess
     return is_followed and search.excess < FORM_ERRORS[1] * base.excess
+
+
+def _may_be_one(look: Look, without: Search) -> bool:
+    """Whether a second cause at the place of what wins a look may leave next to nothing, where that is an estimate."""
+    return look.winner is not None and look.winner.search.excess < FOLLOWED * without.excess
 
 
 def _completes(look: Look, without: Search) -> bool:

@@ -9,7 +9,8 @@ from crashkit.registry import load
 from crashkit_hypotheses.sensors import Sensor
 
 SHARED = 0.5
-"""Of what the other axes read, squared, that must be a share of what the first does: a body that pitches reads more of its own."""
+"""Of what the other axes read, squared, that must be a share of what the first does: on a body that pitches, they read
+more of their own."""
 
 
 def lean_across(sensor: Sensor, axis: str, recordings: Sequence[xr.DataTree]) -> float:

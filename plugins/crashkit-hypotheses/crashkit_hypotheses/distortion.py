@@ -23,8 +23,8 @@ LEANS, STEEPEST = (-0.3, 0.3), 1.2
 """Angles of a sensor that leans towards gravity, rad: to start from, and at most."""
 LEANING = {"lean": Parameter(0.0, -STEEPEST, STEEPEST), "bias": Parameter(0.0, -2.0 * g, 2.0 * g)}
 TOLD, TOLD_ODDS = 0.1, 1e4
-"""How far such an angle may be off what the other axes of the sensor tell, of that; and the odds of a lean that they tell against
-anything else that changes what it reads along its own."""
+"""How far such an angle may be off what the other axes of the sensor tell, of that; and the odds of a lean that they tell
+against anything else that changes what it reads along its own."""
 LIMITS = {
     "limit": "saturation",
     "above": "saturation_above",
@@ -100,9 +100,9 @@ class Misalignment(Hypothesis):
 
     On a line, recorded = cos(lean) true + g sin(lean) + b. The offset b is 0 where gravity was not balanced out before the
     shock. Where all of it was, this is a gain below 1, as `GainError` says, unless the sensor has other axes, which read
-    sin(lean) true: the model says nothing of those, but what they share with the first tells the angle. Where the body also moves
-    along the other axis, swinging as it is braked, the sensor reads a share of that (see `Rotation`) which no film of the body
-    shows.
+    sin(lean) true: the model says nothing of those, but what they share with the first tells the angle. Where the body also
+    moves along the other axis, swinging as it is braked, the sensor reads a share of that (see `Rotation`) which no film of
+    the body shows.
     """
 
     physics: ClassVar[str] = "misalignment"

@@ -109,7 +109,11 @@ def test_a_known_cause_instead_of_an_estimate_completes_what_leaves_much(second)
 
 
 def test_couples_of_all_causes_are_asked_where_nothing_completes_it(second):
-    assert second(3.0, 2.5, named=2.4) == ["quick", "named", "of all"]
+    assert second(3.0, 2.0, named=1.9) == ["quick", "named", "of all"]
+
+
+def test_an_estimate_that_leaves_most_is_given_no_name_before_couples_are_asked(second):
+    assert second(3.0, 2.5, named=1.0) == ["quick", "of all"]
 
 
 def test_a_second_cause_that_leaves_a_twentieth_completes_it_though_forms_are_off(second):
