@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
@@ -264,6 +264,8 @@ def test_sensitivities_to_everything_agree_with_differences(simulate, axes, data
     path = data.draw(st.sampled_from(list(paths_of(model, axes))))
     value, times = value_of(model, path), TIMES[::100]
     motion = simulate(model, times, sensitivities=[path])
+    # Bodies that rest where they touch stand on a corner: a push either way does other things.
+    assume(np.abs(motion["deformation_rate"].values[0]).min() > 1e-3)
     h = 1e-6 * max(abs(value), 0.1)
     above, below = (simulate(model, times, values={path: value + sign * h}) for sign in (1.0, -1.0))
     for name in ("position", "velocity", "angular_velocity"):

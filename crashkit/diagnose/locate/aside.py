@@ -43,7 +43,7 @@ class Suspect:
     told: str = ""
 
     def concerns(self, proposal: Proposal, model: Model) -> bool:
-        """Whether a proposal says no more than what such a sensor reads, and what kinematics or its channels say.
+        """Whether a proposal says no more than what such a sensor reads, and that as kinematics or its channels say.
 
         What a law of the structure is off by, an error in another form would seem to explain better.
         """

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from attrs import evolve
 
 from crashkit.diagnose.locate.aside import Suspect, late_clocks, on_time, suspects, without
 from crashkit.diagnose.locate.consistency import by_run, check_instruments
@@ -128,6 +129,7 @@ def test_what_kinematics_tell_of_a_sensor_is_all_that_it_is_accused_of(doubted, 
     wrong = with_instrument_error(model, "accelerometer", "front_sensor", "bias", Parameter(0.0))
     claims = [Proposal(physics, "", {"sensor": "front_sensor"}, wrong, (), {}) for physics in ("gain_error", "misalignment")]
     assert [suspect.concerns(claim, model) for claim in claims] == [True, False]
+    assert suspect.concerns(evolve(claims[1], odds=10.0), model)  # its other channels say so
 
 
 def test_beside_a_sensor_that_is_wrong_the_others_of_its_body_stay_accused(model):
