@@ -18,7 +18,7 @@ def lean_across(sensor: Sensor, axis: str, recordings: Sequence[xr.DataTree]) ->
 
     tan(angle) = |t|, where t (across) minimises sum |a_across - t a_axis|^2, offsets aside.
     """
-    readings = list(_readings(sensor, axis, recordings))
+    readings = list(_readings(sensor, axis, recordings)) if axis in sensor.axes and len(sensor.axes) > 1 else []
     if not readings:
         return 0.0
     along, across = (np.concatenate(part) for part in zip(*readings, strict=True))
@@ -32,9 +32,9 @@ def _readings(sensor: Sensor, axis: str, recordings: Sequence[xr.DataTree]) -> I
     """Along that axis (time,) and the others (time, axis) of each recording, offsets taken away."""
     for recording in (one for one in recordings if sensor.instrument in one.children):
         group = recording.children[sensor.instrument].to_dataset(inherit=False)
-        quantity = load().observers[str(group.attrs["observer"])].quantity
-        if sensor.name not in group["sensor"].values or axis not in group["axis"].values or group.sizes["axis"] < 2:
+        if sensor.name not in group.get("sensor", ()) or tuple(group["axis"].values.tolist()) != sensor.axes:
             continue
+        quantity = load().observers[str(group.attrs["observer"])].quantity
         read = group[quantity].sel(sensor=sensor.name).transpose("time", "axis").dropna("time")
         read = read - read.mean("time")
         yield read.sel(axis=axis).values, read.drop_sel(axis=axis).values

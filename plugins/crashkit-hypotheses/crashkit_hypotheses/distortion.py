@@ -115,7 +115,7 @@ class Misalignment(Hypothesis):
             sensors = sensors_with(["lean", "bias", *ERRORS], model, recordings)
             heaving = [self._heaving(model, sensor, duration(motion)) for sensor in sensors] if motion else []
             told = [(sensor, lean_across(sensor, model.axes[0], recordings)) for sensor in sensors]
-            across = [self._leaning_across(model, sensor, angle) for sensor, angle in told if angle]
+            across = [self._leaning_across(model, sensor, angle) for sensor, angle in told if 0.0 < angle < STEEPEST]
             return [*(self._leaning(model, sensor) for sensor in sensors), *across, *heaving]
         tilts = [f"tilt_{axis}" for axis in _turning_axes(model)]
         shares = [f"transverse_{axis}" for axis in model.axes]

@@ -145,13 +145,13 @@ def test_on_a_line_a_tilted_sensor_also_reads_gravity():
     )
 
 
-def leaning_across(toy, swaying):
-    """A sensor that leans by 0.3 rad, with a channel across; or one that stands, on a body that moves across as well."""
+def leaning_across(toy, swaying, lean=0.3):
+    """A sensor that leans, with a channel across; or one that stands, on a body that moves across as well."""
     run = toys.recording(Simulator(toy, load().spring_laws).run(TIMES))
     group = run["accelerometer"].to_dataset(inherit=False)
     felt = group["acceleration"].sel(axis="x")
     sway = 40.0 * np.sin(2.0 * np.pi * 60.0 * felt["time"]) if swaying else 0.0
-    angle = xr.where(group["sensor"] == ("" if swaying else "front_sensor"), 0.3, 0.0)
+    angle = xr.where(group["sensor"] == ("" if swaying else "front_sensor"), lean, 0.0)
     both = xr.concat([np.cos(angle) * felt, np.sin(angle) * felt + sway], dim=xr.Variable("axis", ["x", "z"]))
     across = group["sensor_point"].reindex(axis=["x", "z"], fill_value=0.0)
     group = group.drop_dims("axis").assign(acceleration=both.assign_attrs(felt.attrs), sensor_point=across)
@@ -164,6 +164,12 @@ def test_on_a_line_another_axis_tells_how_far_a_sensor_leans():
     assert [p.location["sensor"] for p in told] == ["front_sensor"]
     assert told[0].starts[0]["instrument.accelerometer.front_sensor.lean"] == pytest.approx(0.3, abs=1e-6)
     assert told[0].odds > 1.0
+
+
+def test_a_sensor_whose_axes_have_changed_places_does_not_lean():
+    toy = toys.two_degrees()
+    forms = {p.form for p in Misalignment().propose(toy, [], [leaning_across(toy, False, lean=1.5)])}
+    assert forms == {"lean"}
 
 
 def test_a_body_that_sways_is_no_sensor_that_leans():
