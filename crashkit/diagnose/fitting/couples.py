@@ -31,6 +31,11 @@ class Couple:
     search: Search
 
     @property
+    def claims(self) -> frozenset[tuple[str, str]]:
+        """What the two claim, whatever their forms."""
+        return frozenset((identity(self.first), identity(self.second)))
+
+    @property
     def cost(self) -> float:
         """Half a chi squared with the price of all numbers."""
         samples = self.search.misfit.independent_samples
@@ -65,7 +70,7 @@ def each_once(couples: Sequence[Couple]) -> list[Couple]:
     """Each two claims in their best forms, the most evident first."""
     best: dict[frozenset[tuple[str, str]], Couple] = {}
     for couple in sorted(couples, key=lambda couple: couple.cost):
-        best.setdefault(frozenset((identity(couple.first), identity(couple.second))), couple)
+        best.setdefault(couple.claims, couple)
     return list(best.values())
 
 

@@ -18,7 +18,7 @@ from crashkit.diagnose.fitting.leftover import is_all_told
 from crashkit.diagnose.fitting.rebuild import alone_again
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.locate.free_force import free_forces, outstanding
-from crashkit.diagnose.name.follow import NEEDED, TIE, Discovery, followed, is_estimated, leave_a_trace, reconsidered
+from crashkit.diagnose.name.follow import NEEDED, TIE, Discovery, followed, is_but_a_trace, is_estimated, leave_a_trace, reconsidered
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.last_estimates import estimated_at_last
@@ -144,11 +144,13 @@ def _is_much_better(form: Rival, claim: Rival, structure: Rival) -> bool:
 
 def _suffices(found: Discovery, base: Search) -> bool:
     """Whether one cause explains everything that most channels tell, or leaves less above the noise than a second one would
-    have to explain; or two do that, whatever the noise, and nothing convinces beside them."""
+    have to explain; or two do that, whatever the noise, and nothing convinces beside them; or of what is gross one leaves but
+    a trace, beside which none is."""
     search = found.search
     if len(found.findings) == 1:
         is_little = search.normalised < FLOOR and search.excess < FORM_ERRORS[0] * base.excess
-        return explains(search) or (is_little and is_sound(search)) or _is_told_by_most(search)
+        is_trace = found.last is not None and is_but_a_trace(search, base)
+        return explains(search) or ((is_little or is_trace) and is_sound(search)) or _is_told_by_most(search)
     is_little = search.normalised < UNEXPLAINED and search.excess < FORM_ERRORS[1] * base.excess
     is_all = found.last is not None and len(found.findings) == 2 and not is_estimated(found.findings)
     is_enough = leave_a_trace(found.findings, search, base) or (is_all and is_little)
@@ -205,7 +207,7 @@ def _found_widely(inquiry: Inquiry, nearby: Nearby) -> Discovery:
     """
     base, first = _first_look(inquiry, nearby.look)
     inquiry = evolve(inquiry, base=base)
-    if nearby.found is not None and not first.couples and _is_confirmed(nearby.found, first):
+    if nearby.found is not None and _is_confirmed(nearby.found, first):
         return nearby.found
     couple = both(inquiry, first) if first.couples else None
     if couple is not None:
@@ -224,7 +226,10 @@ def _found_widely(inquiry: Inquiry, nearby: Nearby) -> Discovery:
 
 
 def _is_confirmed(found: Discovery, look: Look) -> bool:
-    """Whether a look with everything in sight has the same winner, and that leaves hardly less."""
+    """Whether a look with everything in sight has the same winner, and that leaves hardly less, or leads to the same two."""
+    if look.couples:
+        is_all = found.search.normalised < UNEXPLAINED and found.search.deviance < look.couples[0].search.deviance
+        return is_all and look.couples[0].claims == {one.leader.identity for one in found.findings}
     if len(found.findings) != 1 or found.search.normalised > UNEXPLAINED or look.winner is None:
         return False
     is_same = look.winner.identity == found.findings[0].leader.identity

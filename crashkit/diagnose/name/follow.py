@@ -109,8 +109,13 @@ def _look_beside(inquiry: Inquiry, search: Search, findings: Sequence[Look], nea
 
 def leave_a_trace(findings: Sequence[Look], search: Search, base: Search) -> bool:
     """Whether two named findings leave but a trace of what is gross, from which no third could be told: so much is forms."""
-    is_trace = search.normalised > FLOOR and search.excess < TRACE * base.excess
+    is_trace = search.normalised > FLOOR and is_but_a_trace(search, base)
     return len(findings) == 2 and not is_estimated(findings) and is_trace
+
+
+def is_but_a_trace(search: Search, base: Search) -> bool:
+    """Whether a fit leaves less of what another leaves than a claim beside it would have to explain."""
+    return search.excess < TRACE * base.excess
 
 
 def _freed(findings: Sequence[Look], search: Search, winner: Rival) -> tuple[list[Look], Search] | None:

@@ -8,7 +8,7 @@ from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import UNEXPLAINED, by_evidence, is_unknown
 from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.search import Search
-from crashkit.diagnose.name.follow import Discovery, followed
+from crashkit.diagnose.name.follow import Discovery, followed, is_but_a_trace
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.leaders import coupled_leaders
@@ -71,6 +71,8 @@ def _with_a_second(inquiry: Inquiry, near: Look, first: Look, search: Search) ->
         search: the fit with the first.
     """
     look = look_again(inquiry, search.fitted(), [first.leader], quick=search.normalised > CONCEALED)
+    if look.winner is None and is_but_a_trace(search, inquiry.base):
+        return Nearby(near, Discovery.of(inquiry.base, search, (first,), look), look)
     if search.normalised > CONCEALED:
         if _may_be_one(look, search):
             look = in_time(look, named_beside, inquiry, look, [first])
