@@ -56,7 +56,10 @@ def opened(workshop: Workshop, given: Misfit, proposals: Sequence[Proposal], pro
     def shown(done: int) -> None:
         progress(f"regressing the equations of motion for {len(proposals)} claims", done / len(proposals))
 
-    return spread(end_of, proposals, shown)
+    # Bodies that nobody saw are simulated, which may take long: those come first, or one process waits for the other.
+    order = sorted(range(len(proposals)), key=lambda one: -len(proposals[one].model.bodies))
+    ends = dict(zip(order, spread(end_of, [proposals[one] for one in order], shown), strict=True))
+    return [ends[one] for one in range(len(proposals))]
 
 
 def regressed(

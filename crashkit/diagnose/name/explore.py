@@ -18,7 +18,16 @@ from crashkit.diagnose.fitting.leftover import is_all_told
 from crashkit.diagnose.fitting.rebuild import alone_again
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.locate.free_force import free_forces, outstanding
-from crashkit.diagnose.name.follow import NEEDED, TIE, Discovery, followed, is_but_a_trace, is_estimated, leave_a_trace, reconsidered
+from crashkit.diagnose.name.follow import (
+    NEEDED,
+    TIE,
+    Discovery,
+    followed,
+    is_but_a_trace,
+    is_estimated,
+    leave_no_third,
+    reconsidered,
+)
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.last_estimates import estimated_at_last
@@ -153,7 +162,7 @@ def _suffices(found: Discovery, base: Search) -> bool:
         return explains(search) or ((is_little or is_trace) and is_sound(search)) or _is_told_by_most(search)
     is_little = search.normalised < UNEXPLAINED and search.excess < FORM_ERRORS[1] * base.excess
     is_all = found.last is not None and len(found.findings) == 2 and not is_estimated(found.findings)
-    is_enough = leave_a_trace(found.findings, search, base) or (is_all and is_little)
+    is_enough = leave_no_third(found.findings, search, base) or (is_all and is_little)
     return is_enough and not is_strained(search)
 
 

@@ -32,6 +32,8 @@ ESTIMATE_SHARE = 0.1
 """Of what the findings explain: an estimate that explains less beside them imitates how far their forms are off."""
 TRACE = 0.003
 """Of what is left above the noise without a finding, or without any: no form of what is gross is quite right."""
+ALMOST_ALL = 0.2
+"""Of what is left above the noise: a claim that leaves more of it is hardly all there is, in whatever form."""
 NEEDED = 100.0
 """Chi squared that the loss of a finding must cost for it to be plainly needed."""
 TIE = 10.0
@@ -83,7 +85,7 @@ def followed(inquiry: Inquiry, begun: Sequence[Look], look: Look, near: Look | N
     while look.winner is not None and not _corrects(look.winner, findings) and not _is_one_too_many(look.winner, findings):
         freed = _freed(findings, search, look.winner)
         findings, search = freed or _one_more(inquiry, findings, look, look.winner)
-        if len(findings) == MOST_FINDINGS or is_estimated(findings) or leave_a_trace(findings, search, inquiry.base):
+        if len(findings) == MOST_FINDINGS or is_estimated(findings) or leave_no_third(findings, search, inquiry.base):
             break
         further = in_time(None, _look_beside, inquiry, search, findings, near)
         if further is None:
@@ -111,6 +113,18 @@ def leave_a_trace(findings: Sequence[Look], search: Search, base: Search) -> boo
     """Whether two named findings leave but a trace of what is gross, from which no third could be told: so much is forms."""
     is_trace = search.normalised > FLOOR and is_but_a_trace(search, base)
     return len(findings) == 2 and not is_estimated(findings) and is_trace
+
+
+def leave_no_third(findings: Sequence[Look], search: Search, base: Search) -> bool:
+    """Whether a third finding could not be told beside two named ones, of which the form of one may be off or not."""
+    return leave_a_trace(findings, search, base) or _are_all(findings, search, base)
+
+
+def _are_all(findings: Sequence[Look], search: Search, base: Search) -> bool:
+    """Whether two named findings explain all of what is so gross that noise has no room for as much as a third would have to
+    explain."""
+    is_gross = FLOOR**2 - 1.0 < TRACE * base.excess
+    return len(findings) == 2 and not is_estimated(findings) and is_gross and explains(search)
 
 
 def is_but_a_trace(search: Search, base: Search) -> bool:
@@ -194,6 +208,8 @@ def reconsidered(inquiry: Inquiry, findings: list[Look], search: Search) -> tupl
         rest = [*looks[:place], *looks[place + 1 :]]
         without = _spared(inquiry, [look.leader for look in rest], search)
         if without is None:
+            continue
+        if explains(search) and without.excess > ALMOST_ALL * inquiry.base.excess:
             continue
         rest, without = in_best_forms(inquiry, rest, without)
         is_all = search.normalised < FLOOR or search.excess < TRACE * without.excess

@@ -8,7 +8,7 @@ from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import UNEXPLAINED, by_evidence, is_unknown
 from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.search import Search
-from crashkit.diagnose.name.follow import Discovery, followed, is_but_a_trace
+from crashkit.diagnose.name.follow import ALMOST_ALL, Discovery, followed, is_but_a_trace
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.leaders import coupled_leaders
@@ -23,8 +23,6 @@ FOLLOWED = 0.5
 """Of what the model without it leaves above the noise: a claim that leaves more is not followed before all are asked."""
 LEADERS = 6
 """How many known causes that lead are put beside each other."""
-ALMOST_ALL = 0.2
-"""Of what is left above the noise: a claim that leaves more of it is hardly all there is, in whatever form."""
 NEXT_TO_NOTHING = 0.05
 """Of what one cause alone leaves above the noise: two that leave less are hardly others, in whatever forms."""
 

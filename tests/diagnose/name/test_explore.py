@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import pytest
 from attrs import evolve
 
+from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name import explore
@@ -23,7 +24,7 @@ SENSOR = {"sensor": "front_sensor", "instrument": "accelerometer"}
 
 def leaving(normalised, physics="fracture", location=None):
     """A look whose winner leaves so much."""
-    point = SimpleNamespace(departure=lambda at: 0.0)
+    point = SimpleNamespace(departure=lambda at: 0.0, independent_samples=1000.0, channels=())
     square = normalised**2
     search = SimpleNamespace(normalised=normalised, excess=square - 1.0, deviance=1e3 * square, misfit=point, point=None)
     rival = Rival(Proposal(physics, "", location or {"joint": "front"}, None, (), {}), search, 9000.0, 4500.0)
@@ -64,6 +65,18 @@ def test_two_causes_may_leave_a_trace_of_what_is_gross(given, suffices):
     assert _suffices(found(1.7, ("fracture", "tension"), last=False), leaving(given).leader.search) is suffices
 
 
+@pytest.mark.parametrize(("given", "suffices"), [(7.0, True), (5.0, False)])
+def test_two_causes_that_leave_nothing_of_what_is_gross_are_enough(given, suffices):
+    """No look is needed to know that a third would have to explain more than there is noise."""
+    assert _suffices(found(1.0, ("fracture", "tension"), last=False), leaving(given).leader.search) is suffices
+
+
+@pytest.mark.parametrize(("given", "last", "suffices"), [(40.0, True, True), (20.0, True, False), (40.0, False, False)])
+def test_one_cause_may_leave_a_trace_of_what_is_gross_if_no_second_convinces(monkeypatch, given, last, suffices):
+    monkeypatch.setattr(explore, "_is_told_by_most", lambda search: False)
+    assert _suffices(found(1.7, last=last), leaving(given).leader.search) is suffices
+
+
 def test_a_claim_that_leaves_next_to_nothing_of_what_is_gross_is_followed():
     """To a known one that explains half of what it leaves."""
 
@@ -87,6 +100,21 @@ def test_what_everything_in_sight_only_confirms_is_told():
     assert not _is_confirmed(found(1.12), Look((), (), 1.0, None))
     assert not _is_confirmed(found(1.12, ("fracture", "fracture")), leaving(1.11))
     assert not _is_confirmed(found(1.3), leaving(1.29))
+
+
+def test_a_couple_with_everything_in_sight_confirms_the_same_two():
+    """Where it leaves no less, and these leave nothing to speak of."""
+    two = ("fracture", "tension")
+
+    def look(left, physics):
+        claims = (Proposal(one, "", {"joint": "front"}, None, (), {}) for one in physics)
+        return evolve(leaving(9.0), couples=(Couple(*claims, leaving(left).leader.search),))
+
+    assert _is_confirmed(found(1.02, two), look(1.4, two[::-1]))
+    assert not _is_confirmed(found(1.02, two), look(1.0, two))
+    assert not _is_confirmed(found(1.02, two), look(1.4, ("fracture", "bottoming")))
+    assert not _is_confirmed(found(1.3, two), look(1.4, two))
+    assert not _is_confirmed(found(1.02), look(1.4, two))
 
 
 @pytest.mark.parametrize(("leaves", "asked"), [([5.0, 2.0, 1.1, 0.9], 3), ([5.0, 4.9, 1.0], 1), ([0.98, 0.5, 0.4], 1)])

@@ -139,7 +139,8 @@ def leaving(physics, left):
     return Look((Rival(Proposal(physics, "", {"joint": physics}, None, (), {}), search, 9e5, 4.5e5),), (1.0,), 0.0, None)
 
 
-def test_beside_two_that_leave_a_trace_of_what_is_gross_no_third_is_looked_for(monkeypatch, inquiry):
+@pytest.mark.parametrize("left", [1.6, 0.99])
+def test_beside_two_that_leave_a_trace_of_what_is_gross_or_nothing_no_third_is_looked_for(monkeypatch, inquiry, left):
     def look_again(*_):
         raise AssertionError("nothing more was to be asked")
 
@@ -147,9 +148,16 @@ def test_beside_two_that_leave_a_trace_of_what_is_gross_no_third_is_looked_for(m
     monkeypatch.setattr(questioned, "named_beside", lambda inquiry, look, findings: look)
     monkeypatch.setattr(questioned, "_one_more", lambda _, findings, look, winner: ([*findings, look], winner.search))
     monkeypatch.setattr(questioned, "look_again", look_again)
+    monkeypatch.setattr(questioned, "explains", lambda search: search.normalised < 1.02)
+    monkeypatch.setattr(questioned, "_questioned", lambda _, findings, search, last: (findings, search))
     base = leaving("nothing", 40.0).leader.search
-    found, _ = followed(inquiry(base, given=True), [leaving("tension", 3.0)], leaving("fracture", 1.6))
+    found, _ = followed(inquiry(base, given=True), [leaving("tension", 3.0)], leaving("fracture", left))
     assert [look.leader.proposal.physics for look in found.findings] == ["tension", "fracture"]
+
+
+def test_two_may_leave_a_trace_of_what_is_gross():
+    base = leaving("nothing", 40.0).leader.search
+    found = Discovery(None, None, leaving("", 1.6).leader.search, (leaving("tension", 1.6), leaving("fracture", 1.6)))
     assert leave_a_trace(found.findings, found.search, base)
     assert not leave_a_trace(found.findings, found.search, leaving("nothing", 9.0).leader.search)
     assert not leave_a_trace(found.findings[:1], found.search, base)
@@ -164,6 +172,7 @@ def test_a_third_cause_is_only_estimated_where_it_leaves_nothing(monkeypatch, in
     monkeypatch.setattr(questioned, "_one_more", lambda _, findings, look, winner: ([*findings, look], winner.search))
     monkeypatch.setattr(questioned, "_questioned", lambda _, findings, search, last: (findings, search))
     monkeypatch.setattr(questioned, "look_again", lambda *_, **__: next(looks))
+    monkeypatch.setattr(questioned, "explains", lambda search: False)
     base = leaving("nothing", 9.0).leader.search
     found, _ = followed(inquiry(base, given=True), [leaving("tension", 5.0)], leaving("fracture", 3.0))
     assert len(found.findings) == told
@@ -214,8 +223,24 @@ def test_a_finding_that_is_questioned_stays_unless_it_explains_too_little(
     monkeypatch.setattr(questioned, "look_again", lambda *_: nothing)
     monkeypatch.setattr(questioned, "explains", lambda search: search.normalised < 1.02)
     fit = SimpleNamespace(deviance=1000.0, normalised=together, excess=together**2 - 1.0)
-    kept, _ = reconsidered(inquiry(None), [one("fracture"), one("bias")], fit)
+    kept, _ = reconsidered(inquiry(SimpleNamespace(excess=1e9), given=True), [one("fracture"), one("bias")], fit)
     assert [look.leader.proposal.physics for look in kept] == left
+
+
+@pytest.mark.parametrize(("share", "is_asked"), [(0.1, True), (0.3, False)])
+def test_what_leaves_much_without_a_finding_is_not_asked_in_other_forms(monkeypatch, inquiry, share, is_asked):
+    """Where with it nothing is left: a fifth of what the model as it is leaves is more than forms do."""
+    asked = []
+    without = SimpleNamespace(deviance=9000.0, normalised=10.0, excess=share * 400.0)
+    monkeypatch.setattr(questioned, "_spared", lambda *_: without)
+    monkeypatch.setattr(questioned, "in_best_forms", lambda inquiry, looks, search: asked.append(share) or (looks, search))
+    monkeypatch.setattr(questioned, "explains", lambda search: True)
+    finding = Rival(Proposal("fracture", "", {"joint": "rails"}, None, (), {}), None, 8000.0, 4000.0)
+    together = SimpleNamespace(deviance=1000.0, normalised=1.0, excess=0.0)
+    looks = [Look((finding,), (1.0,), 0.0, None)]
+    kept, search = reconsidered(inquiry(SimpleNamespace(excess=400.0), given=True), looks, together)
+    assert (kept, search) == (looks, together)
+    assert bool(asked) is is_asked
 
 
 @pytest.mark.parametrize(("left", "is_asked"), [(100.0, True), (1000.0, False)])
@@ -228,6 +253,7 @@ def test_what_all_but_next_to_nothing_hangs_on_is_not_questioned(monkeypatch, in
     monkeypatch.setattr(questioned, "in_best_forms", lambda inquiry, looks, search: (looks, search))
     monkeypatch.setattr(questioned, "look_again", lambda *_: asked.append(left) or Look((), (), 1.0, None, least=180.0))
     finding = Rival(Proposal("fracture", "", {"joint": "rails"}, None, (), {}), None, 8000.0, 4000.0)
+    monkeypatch.setattr(questioned, "explains", lambda search: False)
     together = SimpleNamespace(deviance=1000.0, normalised=2.0**0.5, excess=1.0)
     kept, _ = reconsidered(inquiry(None), [Look((finding,), (1.0,), 0.0, None)], together)
     assert len(kept) == 1

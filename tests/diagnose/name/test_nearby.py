@@ -104,6 +104,19 @@ def second(monkeypatch):
     return asks
 
 
+def test_where_the_first_leaves_but_a_trace_and_none_convinces_beside_it_nothing_more_is_asked(monkeypatch):
+    """By a quick look: no second could explain as much as it would have to."""
+    look = SimpleNamespace(winner=None)
+    monkeypatch.setattr(nearby, "look_again", lambda *_, quick: look)
+    monkeypatch.setattr(nearby.Discovery, "of", lambda base, search, findings, last: (findings, last))
+    monkeypatch.setattr(nearby, "_two_of_all", lambda *_: "of all")
+    first, search = SimpleNamespace(leader=None), SimpleNamespace(fitted=lambda: None, **vars(leaving(2.0)))
+    told = _with_a_second(SimpleNamespace(base=leaving(40.0)), None, first, search)
+    assert told.found == ((first,), look)
+    asked_on = _with_a_second(SimpleNamespace(base=leaving(20.0)), None, first, search)
+    assert asked_on.found == "of all"
+
+
 def test_a_known_cause_instead_of_an_estimate_completes_what_leaves_much(second):
     assert second(3.0, 1.5, named=1.02) == ["quick", "named", "followed"]
 
