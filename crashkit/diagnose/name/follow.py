@@ -18,6 +18,7 @@ from crashkit.diagnose.name.look import Look, compared, look_again
 from crashkit.diagnose.name.pace import check_pace
 from crashkit.diagnose.name.pairs import named_beside
 from crashkit.diagnose.name.settle import settled
+from crashkit.diagnose.name.tied import untied
 from crashkit.misfit import Misfit
 from crashkit.model import Model
 
@@ -95,6 +96,8 @@ def followed(inquiry: Inquiry, begun: Sequence[Look], look: Look, near: Look | N
         if completed is not None:
             findings, search = completed
             break
+    if len(findings) == 2 and not is_estimated(findings):
+        findings, search = in_time((findings, search), untied, inquiry, findings, search)
     if len(findings) > 1 and not leave_a_trace(findings, search, inquiry.base):
         findings, search = in_time((findings, search), _questioned, inquiry, findings, search, look)
     last = look if look.winner is None else None

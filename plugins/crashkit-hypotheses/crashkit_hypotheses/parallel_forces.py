@@ -21,6 +21,8 @@ SPRUNG_BACK = 0.5
 """Share of its deformation from which on a joint that springs back may part, with friction or another load."""
 ALWAYS, CLOSED = {"always": Parameter(1.0, fixed=True)}, {"always": Parameter(0.0, fixed=True)}
 """Friction that also acts where the joint is open, and friction that does not."""
+LEAST_LIMIT = 0.2
+"""Of the fastest rate: a damper that gives half of its limit at a lower one is friction."""
 ONE_WAY = {"exponent": Parameter(1.0, fixed=True), "rebound": Parameter(0.0, fixed=True)}
 """Of a damper that does not hold back on the way back."""
 FORCE = {"friction_force": Parameter(0.0, 0.0, 1e7)}
@@ -29,7 +31,7 @@ SHARE = {"friction_share": Parameter(0.0, 0.0, 1.0), "slip_rate": Parameter(0.1,
 
 class ViscousDamping(Hypothesis):
     """F = F_law + c ddot, F_law + c ddot |ddot|^(n - 1), or with another c on the way back, from some rate on, or with the
-    stroke; while compressed, at all times, or in a joint that only pushes."""
+    stroke, or c ddot / (1 + |ddot| / v_s); while compressed, at all times, or in a joint that only pushes."""
 
     physics: ClassVar[str] = "viscous_damping"
     sentence: ClassVar[str] = "{place} is damped: part of its force opposes the deformation rate and grows with it"
@@ -57,8 +59,11 @@ class ViscousDamping(Hypothesis):
         starts = grid(knee_rate=(0.15 * fastest, 0.4 * fastest))
         knee = Effect(self.physics, "with a knee", "viscous_knee", opening, "damping", starts)
         stroke = Effect(self.physics, "growing with the stroke", "viscous_growing", growing, "damping")
+        limit = {**damping, "saturating_rate": Parameter(fastest, LEAST_LIMIT * fastest, 10.0 * fastest)}
+        digressive = Effect(self.physics, "saturating", "viscous_saturating", limit, "damping")
         plain = [parallel(model, joint, effect) for effect in (linear, power, _always(power))]
-        fine = [parallel(model, joint, effect) for effect in (one_way, two_way, _always(two_way), knee, stroke)]
+        refined = (one_way, two_way, _always(two_way), knee, stroke, digressive, _always(digressive))
+        fine = [parallel(model, joint, effect) for effect in refined]
         only = [evolve(effect, form=f"{effect.form}, only pushing") for effect in (linear, power, two_way, knee)]
         pushing = [form for effect in only for form in pushing_beside(model, joint, effect)]
         return [*plain, *pushing[:1], *(evolve(form, refined=True) for form in (*fine, *pushing[1:]))]

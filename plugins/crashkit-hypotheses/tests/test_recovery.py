@@ -292,6 +292,13 @@ def coupled(model):
     return with_joint(model, Joint("hook", model.joint("second").bodies, "hook", hook))
 
 
+def digressive(model):
+    """A shock absorber that gives half of its limit at 3 m/s."""
+    return with_joint(
+        model, Joint("absorber", ("wall", "front"), "viscous_saturating", fixed(damping=8e3, saturating_rate=3.0))
+    )
+
+
 def valved(model):
     """A shock absorber whose valve opens at 0.5 m/s."""
     valve = fixed(damping=8e3, knee_rate=0.5, beyond=0.2)
@@ -617,6 +624,7 @@ CASES = {
     ),
     checked: (("viscous_damping", "linear, one way", {"joint": "second"}), {"damping": 6e3}),
     valved: (("viscous_damping", "with a knee", {"joint": "first"}), {"damping": 8e3, "knee_rate": 0.5, "beyond": 0.2}),
+    digressive: (("viscous_damping", "saturating", {"joint": "first"}), {"damping": 8e3, "saturating_rate": 3.0}),
     stiffening: (("bottoming", "exponential", {"joint": "first"}), {}),
     curving: (("bottoming", "power", {"joint": "first"}), {"stop_deformation": 0.4, "exponent": 3.0}),
     belted_in: (("tension", "strap, yielding", {"joint": "second"}), {"yield_force": 5e3, "corner": 2.0}),

@@ -2,7 +2,7 @@
 
 from crashkit_spring_laws.buckling import BellPeak, DecayingPeak, DippingPeak, Peak, PointedPeak
 from crashkit_spring_laws.crush_plateau import CrushPlateau
-from crashkit_spring_laws.dampers import Viscous, ViscousGrowing, ViscousKnee, ViscousPower
+from crashkit_spring_laws.dampers import Viscous, ViscousGrowing, ViscousKnee, ViscousPower, ViscousSaturating
 from crashkit_spring_laws.folding import Folding, FoldingShare
 from crashkit_spring_laws.fracture import Brittle, Fracture, Tear
 from crashkit_spring_laws.friction import Coulomb, Dahl, Rubbing, RubbingGap
@@ -61,6 +61,7 @@ SPRING_LAWS = (
     ViscousGrowing,
     ViscousKnee,
     ViscousPower,
+    ViscousSaturating,
     Coulomb,
     Dahl,
     Rubbing,
@@ -159,5 +160,6 @@ __all__ = [
     "ViscousGrowing",
     "ViscousKnee",
     "ViscousPower",
+    "ViscousSaturating",
     "YieldingStrap",
 ]

@@ -99,3 +99,27 @@ class ViscousPower(SpringLaw):
         if ddot < 0.0:
             size = size * rebound
         return damping * ddot * size * max(tension, min(1.0, max(0.0, d) / engagement))
+
+
+class ViscousSaturating(SpringLaw):
+    """A digressive damper: F = c ddot / (1 + |ddot| / v_s) max(tension, min(1, max(0, d) / engagement)).
+
+    A dashpot at rates far below v_s, at which it reaches half of the force c v_s that it never exceeds. With `tension` 1 it is
+    fixed at both ends and acts also where the joint is not compressed.
+    """
+
+    name = "viscous_saturating"
+    parameters = (
+        ParameterSpec("damping", "N s m-1", "force for a unit of rate, at low rates (c)", lower=0.0, null=0.0),
+        ParameterSpec("saturating_rate", "m s-1", "rate at which it gives half of its limit (v_s)", lower=1e-3),
+        TENSION,
+        ENGAGEMENT,
+    )
+
+    @staticmethod
+    def force(
+        d: float, ddot: float, d_max: float, damping: float, saturating_rate: float, tension: float, engagement: float
+    ) -> float:
+        """The force, N, compression positive."""
+        size = damping / (1.0 + abs(ddot) / saturating_rate)
+        return size * ddot * max(tension, min(1.0, max(0.0, d) / engagement))

@@ -67,6 +67,7 @@ from crashkit_spring_laws import (
     ViscousGrowing,
     ViscousKnee,
     ViscousPower,
+    ViscousSaturating,
     YieldingStrap,
 )
 
@@ -98,6 +99,7 @@ EXAMPLES = [
     (Viscous, {"damping": 3e3, "clearance": 0.1}),
     (ViscousGrowing, {"damping": 3e3, "doubling_deformation": 0.15}),
     (ViscousKnee, {"damping": 3e3, "knee_rate": 1.0, "beyond": 0.2}),
+    (ViscousSaturating, {"damping": 3e3, "saturating_rate": 4.0}),
     (Coulomb, {"friction_force": 5e3}),
     (Coulomb, {"friction_force": 5e3, "slip_rate": 0.5, "always": 0.0, "clearance": 0.1}),
     (Coulomb, {"friction_force": 5e3, "stick": 0.6, "stick_rate": 2.0}),
@@ -344,6 +346,15 @@ def test_a_damper_may_have_a_knee():
     forces = [value(ViscousKnee, 0.1, ddot=rate, **valve) for rate in (-6.0, -1.0, 1.0, 6.0)]
     assert forces == pytest.approx([-3000.0, -1000.0, 1000.0, 3000.0])
     assert value(ViscousKnee, -0.1, ddot=6.0, **valve) == 0.0
+
+
+def test_a_damper_may_saturate():
+    """It gives half of its limit at its own rate; fixed at both ends it also acts in an open joint."""
+    damper = {"damping": 1000.0, "saturating_rate": 2.0}
+    forces = [value(ViscousSaturating, 0.1, ddot=rate, **damper) for rate in (-2.0, 1e-3, 2.0, 1e6)]
+    assert forces == pytest.approx([-1000.0, 1.0, 1000.0, 2000.0], rel=1e-3)
+    assert value(ViscousSaturating, -0.1, ddot=2.0, **damper) == 0.0
+    assert value(ViscousSaturating, -0.1, ddot=2.0, tension=1.0, **damper) == pytest.approx(1000.0)
 
 
 def test_a_hook_may_yield():

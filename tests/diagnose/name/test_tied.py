@@ -1,0 +1,59 @@
+"""What was hardly told from a finding while it stood alone is asked again beside a second one."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from crashkit.diagnose.fitting.candidates import Candidate
+from crashkit.diagnose.fitting.evidence import Rival
+from crashkit.diagnose.name import tied
+from crashkit.diagnose.name.look import Look
+from crashkit.diagnose.name.tied import untied
+from crashkit.protocols import Proposal
+
+
+def rival(physics, left, deviance=1000.0):
+    """A claim that leaves so much above the noise."""
+    misfit = SimpleNamespace(independent_samples=1000.0)
+    search = SimpleNamespace(excess=left, deviance=deviance, normalised=(left + 1.0) ** 0.5, misfit=misfit)
+    return Rival(Proposal(physics, "", {"joint": "rails"}, None, (), {}), search, 9000.0, 4500.0)
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """Friction that alone leaves 10, beside a mass; what else a look has, and what that leaves beside the mass."""
+
+    def told(others, beside):
+        forms = {name: rival(name, 0.0, deviance) for name, deviance in beside.items()}
+        monkeypatch.setattr(
+            tied, "in_all_forms", lambda inquiry, one, *_: [Candidate(one.proposal, forms[one.proposal.physics].search)]
+        )
+        inquiry = SimpleNamespace(fit_with=lambda rivals, last: rival("joint_friction", 10.0).search)
+        friction, mass = rival("joint_friction", 0.0), rival("added_mass", 0.0)
+        looks = [Look((friction, *others), (1.0,), 0.0, None), Look((mass,), (1.0,), 0.0, None)]
+        found, search = untied(inquiry, looks, friction.search)
+        assert found[1] is looks[1]
+        return [one.proposal.physics for one in found[0].rivals], found[0].probabilities, search.deviance, found[0] is looks[0]
+
+    return told
+
+
+def test_what_was_tied_and_explains_more_beside_the_second_is_told(asked):
+    physics, (first, *_), left, _ = asked([rival("viscous_damping", 10.2)], {"viscous_damping": 950.0})
+    assert (physics[0], left) == ("viscous_damping", 950.0)
+    assert first > 0.999
+
+
+def test_what_is_still_tied_is_told_as_a_rival(asked):
+    physics, (first, second), left, _ = asked([rival("viscous_damping", 10.2)], {"viscous_damping": 1004.0})
+    assert (physics, left) == (["joint_friction", "viscous_damping"], 1000.0)
+    assert second / first == pytest.approx(0.135, abs=0.001)
+
+
+def test_a_finding_stays_beside_what_leaves_more_there(asked):
+    assert asked([rival("viscous_damping", 10.2)], {"viscous_damping": 1200.0})[3]
+
+
+@pytest.mark.parametrize("other", [rival("viscous_damping", 11.0), rival("unknown", 9.0)])
+def test_what_was_told_from_it_or_is_an_estimate_is_not_asked_again(asked, other):
+    assert asked([other], {})[3]
