@@ -38,7 +38,9 @@ def untied(inquiry: Inquiry, findings: Sequence[Look], search: Search) -> tuple[
 
 
 def _tied(inquiry: Inquiry, look: Look, search: Search) -> list[Rival]:
-    """The known rivals of a finding that leave hardly more than it does alone."""
-    known = [rival for rival in look.rivals[1:] if not is_unknown(rival)]
+    """The known rivals at the place of a finding, found when nothing else was, that leave hardly more than it does alone."""
+    if look.before.names != inquiry.base.misfit.names:
+        return []
+    known = [rival for rival in look.rivals[1:] if not is_unknown(rival) and rival.place == look.leader.place]
     alone = inquiry.fit_with([look.leader], search) if known else None
     return [] if alone is None else [rival for rival in known if rival.search.excess < TIED * alone.excess][:MOST]
