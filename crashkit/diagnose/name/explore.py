@@ -153,8 +153,8 @@ def _is_much_better(form: Rival, claim: Rival, structure: Rival) -> bool:
 
 def _suffices(found: Discovery, base: Search) -> bool:
     """Whether one cause explains everything that most channels tell, or leaves less above the noise than a second one would
-    have to explain; or two do that, whatever the noise, and nothing convinces beside them; or of what is gross one leaves but
-    a trace, beside which none is."""
+    have to explain; or two do that, whatever the noise, and nothing convinces beside them; or one leaves but a trace of what
+    is gross, and none does beside it."""
     search = found.search
     if len(found.findings) == 1:
         is_little = search.normalised < FLOOR and search.excess < FORM_ERRORS[0] * base.excess
