@@ -146,6 +146,7 @@ def test_beside_two_that_leave_a_trace_of_what_is_gross_or_nothing_no_third_is_l
 
     monkeypatch.setattr(questioned, "_freed", lambda *_: None)
     monkeypatch.setattr(questioned, "named_beside", lambda inquiry, look, findings: look)
+    monkeypatch.setattr(questioned, "untied", lambda inquiry, findings, search: (findings, search))
     monkeypatch.setattr(questioned, "_one_more", lambda _, findings, look, winner: ([*findings, look], winner.search))
     monkeypatch.setattr(questioned, "look_again", look_again)
     monkeypatch.setattr(questioned, "explains", lambda search: search.normalised < 1.02)
@@ -169,6 +170,7 @@ def test_a_third_cause_is_only_estimated_where_it_leaves_nothing(monkeypatch, in
     looks = iter([leaving("unknown", left)])
     monkeypatch.setattr(questioned, "_freed", lambda *_: None)
     monkeypatch.setattr(questioned, "named_beside", lambda inquiry, look, findings: look)
+    monkeypatch.setattr(questioned, "untied", lambda inquiry, findings, search: (findings, search))
     monkeypatch.setattr(questioned, "_one_more", lambda _, findings, look, winner: ([*findings, look], winner.search))
     monkeypatch.setattr(questioned, "_questioned", lambda _, findings, search, last: (findings, search))
     monkeypatch.setattr(questioned, "look_again", lambda *_, **__: next(looks))
