@@ -11,7 +11,7 @@ from crashkit.diagnose.fitting.reidentify import refine
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.fitting.sharpen import in_the_light_of, weighed_alike
 from crashkit.diagnose.fitting.thresholds import wakened
-from crashkit.diagnose.name.follow import Discovery
+from crashkit.diagnose.name.follow import TRACE, Discovery
 from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.workshop import Workshop
 from crashkit.model import Model
@@ -46,10 +46,12 @@ def fitted_together(
 
 def is_contradicted(discovery: Discovery, together: Search) -> bool:
     """Whether no values of what was found explain all runs. Where nothing was found there is no form that may be off, and more
-    than chance leaves says that something is missing. Of a finding, only channels whose noise is told are witnesses."""
+    than chance leaves says that something is missing. Of a finding, only channels whose noise is told are witnesses, and it
+    may leave of them what no further one would be told for."""
     if not discovery.findings:
         return not is_at_noise(together)
-    return normalised(together.fitted(), told_only=True) > UNEXPLAINED
+    base, left = (normalised(misfit, told_only=True) for misfit in (discovery.base, together.fitted()))
+    return left > UNEXPLAINED and left**2 - 1.0 > TRACE * (base**2 - 1.0)
 
 
 def leading_looks(discovery: Discovery) -> Sequence[Look]:

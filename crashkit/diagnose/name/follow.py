@@ -14,7 +14,7 @@ from crashkit.diagnose.locate.free_force import Pointer
 from crashkit.diagnose.name.exchange import exchanged
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Look, compared, look_again
+from crashkit.diagnose.name.look import FORM_ERRORS, READINGS, Look, compared, look_again
 from crashkit.diagnose.name.pace import check_pace
 from crashkit.diagnose.name.pairs import named_beside
 from crashkit.diagnose.name.settle import settled
@@ -33,6 +33,8 @@ ESTIMATE_SHARE = 0.1
 """Of what the findings explain: an estimate that explains less beside them imitates how far their forms are off."""
 TRACE = 0.003
 """Of what is left above the noise without a finding, or without any: no form of what is gross is quite right."""
+LEAST_THIRD = READINGS * FORM_ERRORS[1]
+"""Of what was explained: the least that any third finding must explain."""
 ALMOST_ALL = 0.2
 """Of what is left above the noise: a claim that leaves more of it is hardly all there is, in whatever form."""
 NEEDED = 100.0
@@ -83,10 +85,10 @@ def followed(inquiry: Inquiry, begun: Sequence[Look], look: Look, near: Look | N
     """
     findings, search = list(begun), begun[-1].leader.search if begun else inquiry.base
     look = in_time(look, named_beside, inquiry, look, findings)
-    while look.winner is not None and not _corrects(look.winner, findings) and not _is_one_too_many(look.winner, findings):
+    while look.winner is not None and _is_another(look.winner, findings) and not _are_enough(findings, search, inquiry.base):
         freed = _freed(findings, search, look.winner)
-        findings, search = freed or _one_more(inquiry, findings, look, look.winner)
-        if len(findings) == MOST_FINDINGS or is_estimated(findings) or leave_no_third(findings, search, inquiry.base):
+        findings, search = freed or with_one_more(inquiry, findings, look, look.winner)
+        if _are_enough(findings, search, inquiry.base):
             break
         further = in_time(None, _look_beside, inquiry, search, findings, near)
         if further is None:
@@ -112,9 +114,14 @@ def _look_beside(inquiry: Inquiry, search: Search, findings: Sequence[Look], nea
     return look_again(inquiry, search.fitted(), [one.leader for one in findings], begun=near if is_there else None)
 
 
+def _are_enough(findings: Sequence[Look], search: Search, base: Search) -> bool:
+    """Whether no further finding is looked for beside these."""
+    return len(findings) == MOST_FINDINGS or is_estimated(findings) or leave_no_third(findings, search, base)
+
+
 def leave_a_trace(findings: Sequence[Look], search: Search, base: Search) -> bool:
     """Whether two named findings leave but a trace of what is gross, from which no third could be told: so much is forms."""
-    is_trace = search.normalised > FLOOR and is_but_a_trace(search, base)
+    is_trace = search.normalised > FLOOR and search.excess < LEAST_THIRD * base.excess
     return len(findings) == 2 and not is_estimated(findings) and is_trace
 
 
@@ -150,7 +157,7 @@ def _freed(findings: Sequence[Look], search: Search, winner: Rival) -> tuple[lis
     return [*findings[:-1], last.led_by(last.leader.improved(better, gained))], better
 
 
-def _one_more(inquiry: Inquiry, findings: Sequence[Look], look: Look, winner: Rival) -> tuple[list[Look], Search]:
+def with_one_more(inquiry: Inquiry, findings: Sequence[Look], look: Look, winner: Rival) -> tuple[list[Look], Search]:
     """The findings with the winner of a look, settled, and each in its best form."""
     found = [one.leader for one in findings]
     more = [*findings, in_time(look, settled, inquiry, look, winner, found)]
@@ -179,10 +186,10 @@ def _completed(inquiry: Inquiry, findings: Sequence[Look], search: Search, look:
     others = [rival for rival in look.rivals if rival.identity != best.identity]
     tried = settled(inquiry, compared(look, [best, *others]), best, found)
     more, end = in_best_forms(inquiry, [*findings, tried], tried.leader.search)
-    return (more, end) if _completes(end, search) else None
+    return (more, end) if complete(end, search) else None
 
 
-def _completes(end: Search, without: Search) -> bool:
+def complete(end: Search, without: Search) -> bool:
     """Whether a fit leaves nothing, or next to nothing, where another plainly left something: a law elsewhere hardly tells how
     far a form is off as well as that, however little it is beside the first finding."""
     is_little = end.normalised < UNEXPLAINED and end.excess < LEFT * without.excess
@@ -221,7 +228,7 @@ def reconsidered(inquiry: Inquiry, findings: list[Look], search: Search) -> tupl
             continue
         look = look_again(inquiry, without.fitted(), [one.leader for one in rest])
         if look.winner is None or _corrects(look.winner, rest):
-            if without.deviance < search.deviance + look.least and not _completes(search, without):
+            if without.deviance < search.deviance + look.least and not complete(search, without):
                 looks, search = rest, without
         elif look.winner.search.deviance < search.deviance + TIE:
             looks, search = [*rest[:place], look, *rest[place:]], look.winner.search
@@ -232,6 +239,11 @@ def _spared(inquiry: Inquiry, rest: Sequence[Rival], search: Search) -> Search |
     """The fit with the other findings alone, which may reach thresholds that one that stood in for them had kept asleep."""
     near = inquiry.fit_with(rest, search)
     return near if near is None or not rest else wakened(inquiry.workshop, near)
+
+
+def _is_another(winner: Rival, findings: Sequence[Look]) -> bool:
+    """Whether the winner of a look is one more finding, and no estimate of how far the forms of the others are off."""
+    return not _corrects(winner, findings) and not _is_one_too_many(winner, findings)
 
 
 def _corrects(winner: Rival, findings: Sequence[Look]) -> bool:

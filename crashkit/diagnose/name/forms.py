@@ -25,6 +25,8 @@ ALONE = 10
 """Steps in each."""
 SAME = 1e-3
 """Of what is left, by which two ends of one optimum may differ."""
+MOVED = 0.5
+"""Of what is left above the noise: a form that leaves less has moved all numbers, and others may fit from there."""
 HEATS = ((None, 4, 8), (8, 2, 40))
 """How many forms enter each, from how many starts, and how many steps each gets."""
 
@@ -43,15 +45,22 @@ def in_best_forms(
         if is_unknown(look.leader) or look.formed is search or (explains(search) and not thorough):
             continue
         others = [other.leader for other in looks if other is not look]
-        without = search.deviance + look.leader.drop
-        forms = in_all_forms(inquiry, look.leader, others, search)
-        present = Candidate(look.leader.proposal, search)
-        best = _eased(inquiry, ranked_by_evidence([*forms, present], without)[0], without)
+        best, forms = _best_form(inquiry, look.leader, others, search)
+        if best.search.excess < MOVED * search.excess and not explains(best.search):
+            best, forms = _best_form(inquiry, best, others, best.search)
         if best.evidence > look.leader.evidence:
             seen = _as_seen(inquiry.workshop, look, best)
             look, search = look.led_by(seen), best.search
         looks[index] = evolve(look, formed=search, forms=tuple(forms))
     return looks, search
+
+
+def _best_form(inquiry: Inquiry, rival: Rival, others: Sequence[Rival], search: Search) -> tuple[Rival, list[Candidate]]:
+    """A claim in its best form beside others, and the fits of all."""
+    without = search.deviance + rival.drop
+    forms = in_all_forms(inquiry, rival, others, search)
+    present = Candidate(rival.proposal, search)
+    return _eased(inquiry, ranked_by_evidence([*forms, present], without)[0], without), forms
 
 
 def _eased(inquiry: Inquiry, rival: Rival, without: float) -> Rival:

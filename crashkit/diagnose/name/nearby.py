@@ -8,7 +8,16 @@ from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import UNEXPLAINED, by_evidence, is_unknown
 from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.search import Search
-from crashkit.diagnose.name.follow import ALMOST_ALL, Discovery, followed, is_but_a_trace
+from crashkit.diagnose.name.follow import (
+    ALMOST_ALL,
+    LEFT,
+    Discovery,
+    complete,
+    followed,
+    is_but_a_trace,
+    leave_no_third,
+    with_one_more,
+)
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.leaders import coupled_leaders
@@ -75,9 +84,24 @@ def _with_a_second(inquiry: Inquiry, near: Look, first: Look, search: Search) ->
         if _may_be_one(look, search):
             look = in_time(look, named_beside, inquiry, look, [first])
         if not (_completes(look, search) or _is_most(search, inquiry.base, look)):
-            return Nearby(near, in_time(None, _two_of_all, inquiry, near, search), look)
+            found = in_time(None, _in_forms_together, inquiry, first, look, search)
+            return Nearby(near, found or in_time(None, _two_of_all, inquiry, near, search), look)
     found, _ = followed(inquiry, [first], look)
     return Nearby(near, found, look)
+
+
+def _in_forms_together(inquiry: Inquiry, first: Look, look: Look, search: Search) -> Discovery | None:
+    """What the first cause and the known one that leaves least beside it come to, if each in its best form they leave next to
+    nothing: a form that is off leaves more than any couple of others has to be asked for."""
+    known = [rival for rival in look.rivals if not is_unknown(rival)]
+    if not known or known[0].place == first.leader.place or known[0].search.excess > FOLLOWED * search.excess:
+        return None
+    findings, end = with_one_more(inquiry, [first], compared(look, known), known[0])
+    if not complete(end, search):
+        return None
+    if not leave_no_third(findings, end, inquiry.base):
+        look = look_again(inquiry, end.fitted(), [one.leader for one in findings])
+    return followed(inquiry, [*findings[:-1], findings[-1].led_by(evolve(findings[-1].leader, search=end))], look)[0]
 
 
 def _two_at_once(inquiry: Inquiry, near: Look, alone: Search) -> Discovery | None:
@@ -125,15 +149,16 @@ def _at_its_best(inquiry: Inquiry, look: Look) -> tuple[Look, Search]:
 
 
 def _is_most(search: Search, base: Search, look: Look) -> bool:
-    """Whether a claim leaves next to nothing of what was left, of which a known one explains half."""
+    """Whether a claim leaves next to nothing of what was left, or a known one beside it, which explains half of that."""
     winner = look.winner
-    is_followed = winner is not None and not is_unknown(winner) and winner.search.excess < FOLLOWED * search.excess
-    return is_followed and search.excess < FORM_ERRORS[1] * base.excess
+    if winner is None or is_unknown(winner) or winner.search.excess > FOLLOWED * search.excess:
+        return False
+    return search.excess < FORM_ERRORS[1] * base.excess or winner.search.excess < FORM_ERRORS[0] * base.excess
 
 
 def _may_be_one(look: Look, without: Search) -> bool:
     """Whether a second cause at the place of what wins a look may leave next to nothing, where that is an estimate."""
-    return look.winner is not None and look.winner.search.excess < FOLLOWED * without.excess
+    return look.winner is not None and look.winner.search.excess < LEFT * without.excess
 
 
 def _completes(look: Look, without: Search) -> bool:

@@ -3,14 +3,15 @@
 from collections.abc import Sequence
 
 from crashkit.diagnose.fitting.candidates import Candidate
-from crashkit.diagnose.fitting.evidence import Rival, best_forms, is_unknown, ranked_by_evidence
+from crashkit.diagnose.fitting.evidence import UNEXPLAINED, Rival, best_forms, is_unknown, ranked_by_evidence
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.forms import in_all_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look, compared
 
-TIED = 1.05
-"""Times what a finding alone leaves above the noise: what leaves no more was hardly told from it."""
+TIED, UNSURE = 1.05, 2.0
+"""Times what a finding alone leaves above the noise: what leaves no more was hardly told from it; and where both findings
+together leave something, what may be told instead of one that is wrong."""
 MOST = 2
 """How many such causes are asked again."""
 RIVALS = 20.0
@@ -43,4 +44,7 @@ def _tied(inquiry: Inquiry, look: Look, search: Search) -> list[Rival]:
         return []
     known = [rival for rival in look.rivals[1:] if not is_unknown(rival) and rival.place == look.leader.place]
     alone = inquiry.fit_with([look.leader], search) if known else None
-    return [] if alone is None else [rival for rival in known if rival.search.excess < TIED * alone.excess][:MOST]
+    if alone is None:
+        return []
+    least = alone.excess * (TIED if search.normalised < UNEXPLAINED else UNSURE)
+    return [rival for rival in known if rival.search.excess < least][:MOST]
