@@ -26,7 +26,7 @@ class Stretch:
         direction: (time, axis), in which it pushes its second body.
         distance, nearest: (time,) m, of its ends, and the least so far.
         rate: (time,) m s-1, of its deformation.
-        length: m, its free length where the values do not give it.
+        length: (time,) m, its free length where the values do not give it.
     """
 
     free_length: str
@@ -34,7 +34,7 @@ class Stretch:
     distance: np.ndarray
     nearest: np.ndarray
     rate: np.ndarray
-    length: float
+    length: np.ndarray
 
     def states(self, values: Mapping[str, float]) -> np.ndarray:
         """(time, 3), deformation, its rate, and the largest deformation so far."""
@@ -130,14 +130,16 @@ def load_on(rest: np.ndarray, tracks: Iterable[Track], forces: Iterable[np.ndarr
 
 
 def stretch_of(model: Model, joint: Joint, motion: xr.Dataset) -> Stretch:
-    """How a motion deforms a joint between bodies of the model."""
+    """How a motion deforms a joint between bodies of the model; where time goes back, another motion begins."""
     first, second = (_End.of(model, joint, number, motion) for number in (0, 1))
     apart, parting = second.place - first.place, second.speed - first.speed
     direction, turning = _direction(model, joint, first, apart)
     distance = (direction * apart).sum(axis=1)
     rate = -(direction * parting + turning * apart).sum(axis=1)
-    length = float(distance[0]) if joint.free_length is None else joint.free_length.value
-    return Stretch(f"joint.{joint.name}.free_length", direction, distance, np.minimum.accumulate(distance), rate, length)
+    motions = np.split(distance, np.flatnonzero(np.diff(motion.variables["time"].values) < 0.0) + 1)
+    nearest = np.concatenate([np.minimum.accumulate(one) for one in motions])
+    lengths = [np.full_like(one, one[0] if joint.free_length is None else joint.free_length.value) for one in motions]
+    return Stretch(f"joint.{joint.name}.free_length", direction, distance, nearest, rate, np.concatenate(lengths))
 
 
 def in_space(axes: Sequence[str], vector: Sequence[float]) -> np.ndarray:

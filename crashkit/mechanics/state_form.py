@@ -62,7 +62,7 @@ class StateForm:
     """The accelerations that a model gives its bodies along a motion, and their derivatives to its free parameters.
 
     Arguments:
-        model, laws, motion: those of `state_form`.
+        model, laws, motion: those of `state_form`; of several motions end to end, where time goes back the next begins.
         engine: one that holds the model's functions; None: one of its own.
 
     Attributes:

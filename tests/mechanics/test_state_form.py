@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from attrs import evolve
 
 from crashkit.api import load_model
@@ -132,6 +133,18 @@ def test_its_derivatives_are_those_of_differences(model, laws):
         ahead, behind = (form.at({**values, path: values[path] + side * step}, modes)[0] for side in (1.0, -1.0))
         difference = (ahead - behind) / (2.0 * step)
         np.testing.assert_allclose(matrix[..., column], difference, rtol=1e-5, atol=1e-7 * np.abs(difference).max() + 1e-12)
+
+
+def test_motions_end_to_end_are_each_told_as_alone(model, laws):
+    """Where time goes back, another one begins: without memory, and with no deformation before."""
+    long, short = simulated(model, laws, 0.03, 61), simulated(model, laws, 0.02, 21)
+    both = xr.concat([long, short], "time", data_vars="minimal")
+    forms = [StateForm(model, laws, motion) for motion in (both, long, short)]
+    values = {path: parameter.value for path, parameter in model.parameters().items()}
+    modes = [form.modes(values) for form in forms]
+    together, first, second = (form.at(values, taken) for form, taken in zip(forms, modes, strict=True))
+    for one, *alone in zip(together, first, second, strict=True):
+        np.testing.assert_allclose(one, np.concatenate(alone), rtol=1e-12)
 
 
 def test_a_given_force_accelerates_too(laws):

@@ -18,7 +18,8 @@ def follow(code, memory_code, p, times, states, choose, modes, changes, values, 
     """A law at every instant of a motion that begins without memory.
 
     The memory z' = r(d, ddot, d_max, z, p) goes by the trapezoidal rule, z_1 = z_0 + h/2 (r_0 + r_1), and so
-    (1 - h/2 dr_1/dz) dz_1/dp = (1 + h/2 dr_0/dz) dz_0/dp + h/2 (dr_0/dp + dr_1/dp).
+    (1 - h/2 dr_1/dz) dz_1/dp = (1 + h/2 dr_0/dz) dz_0/dp + h/2 (dr_0/dp + dr_1/dp). Where time goes back, another motion
+    begins, again without memory.
 
     Arguments:
         code, memory_code: of the law and of the rate of its memory; NONE for a law without.
@@ -35,6 +36,9 @@ def follow(code, memory_code, p, times, states, choose, modes, changes, values, 
         d, ddot, d_max = states[i, 0], states[i, 1], states[i, 2]
         if memory_code != NONE:
             half = 0.5 * (times[i] - times[max(i - 1, 0)])
+            if half < 0.0:
+                half, z, rate, by_memory = 0.0, 0.0, 0.0, 0.0
+                changes[:] = 0.0
             for c in range(past.size):
                 past[c] += half * (by_memory * past[c] + own[c])
             z, rate, by_memory = solve_memory(memory_code, d, ddot, d_max, z, z + half * rate, half, p, own)

@@ -89,7 +89,8 @@ def require_seen(misfit: Misfit, measured: Mapping[str, xr.Dataset], method: str
 def unseen(misfit: Misfit, motion: xr.Dataset) -> list[str]:
     """The bodies that a joint holds, and that the instruments of a run did not see all of."""
     bodies = dict.fromkeys(body for joint in misfit.model.joints for body in joint.bodies)
-    return [body for body in bodies if not bool(motion["seen"].sel(body=body))]
+    seen = dict(zip(motion["body"].values.tolist(), motion["seen"].values.tolist(), strict=True))
+    return [body for body in bodies if not seen[body]]
 
 
 def known(motion: xr.Dataset) -> xr.Dataset:

@@ -1,11 +1,15 @@
 """A finding in a poor form is told in a better one, which leaves no room for what made up for it."""
 
+from types import SimpleNamespace
+
 import pytest
 from attrs import evolve
 
+from crashkit.diagnose.fitting.candidates import Candidate
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.from_given import FromGiven
 from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.name import forms
 from crashkit.diagnose.name.follow import reconsidered
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.look import LEAST_DROP, Look
@@ -13,6 +17,7 @@ from crashkit.diagnose.name.rivals import further_rivals, nearest_rivals
 from crashkit.diagnose.show.run_drops import run_drops
 from crashkit.model import Parameter
 from crashkit.model.edit import with_factor
+from crashkit.protocols import Proposal
 
 POWER = {"rate_amplitude": 0.25, "rate_exponent": 0.25}
 BOTH_WAYS = {"rate_amplitude": 0.12, "reference_rate": 0.3}
@@ -104,6 +109,33 @@ def test_forms_are_asked_once_for_a_fit(inquiry, base, finding):
     assert in_best_forms(unwatched, findings, search, thorough=True) == (findings, search)
     with pytest.raises(pytest.fail.Exception, match="fitting all forms of rate_dependence"):
         in_best_forms(unwatched, findings, evolve(search), thorough=True)
+
+
+@pytest.mark.parametrize(("then", "told", "asked"), [(5.0, 2.0, ["power", "branch"]), (9.0, 9.0, ["power"])])
+def test_where_a_form_has_moved_all_numbers_they_are_asked_again_from_there(monkeypatch, then, told, asked):
+    """One that leaves less than half lets others fit that were caught beside the poor one."""
+
+    def leaving(excess):
+        misfit = SimpleNamespace(independent_samples=1000.0)
+        return SimpleNamespace(excess=excess, normalised=(1.0 + excess) ** 0.5, deviance=1000.0 * excess, misfit=misfit)
+
+    def form(name):
+        return Proposal("relaxation", name, {"joint": "nose"}, None, (), {})
+
+    ends, forms_asked = {"power": ("branch", then), "branch": ("two branches", 2.0)}, []
+
+    def in_all_forms(inquiry, rival, others, search):
+        forms_asked.append(rival.proposal.form)
+        name, left = ends[rival.proposal.form]
+        return [Candidate(form(name), leaving(left))]
+
+    monkeypatch.setattr(forms, "in_all_forms", in_all_forms)
+    monkeypatch.setattr(forms, "begun_from_given", lambda search, given: search)
+    monkeypatch.setattr(forms, "_as_seen", lambda workshop, look, rival: rival)
+    look = Look((Rival(form("power"), leaving(11.0), 9000.0, 4500.0),), (1.0,), 0.0, None)
+    _, search = in_best_forms(SimpleNamespace(given=None, workshop=None), [look], look.leader.search)
+    assert search.excess == told
+    assert forms_asked == asked
 
 
 def test_a_fine_form_waits_until_a_plain_one_leaves_something(workshop, base, proposed):

@@ -6,13 +6,16 @@ import pytest
 from attrs import evolve
 
 from crashkit.diagnose.fitting.couples import Couple
+from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.name import nearby
 from crashkit.diagnose.name.look import Look
-from crashkit.diagnose.name.nearby import _two_at_once, _two_of_all, _with_a_second
+from crashkit.diagnose.name.nearby import _in_forms_together, _two_at_once, _two_of_all, _with_a_second
+from crashkit.protocols import Proposal
 
 
 def leaving(normalised):
-    return SimpleNamespace(normalised=normalised, excess=normalised**2 - 1.0)
+    misfit = SimpleNamespace(independent_samples=1000.0)
+    return SimpleNamespace(normalised=normalised, excess=normalised**2 - 1.0, misfit=misfit)
 
 
 @pytest.fixture
@@ -85,18 +88,19 @@ def second(monkeypatch):
 
     def look(normalised, physics):
         rival = SimpleNamespace(proposal=SimpleNamespace(physics=physics), search=leaving(normalised))
-        return SimpleNamespace(winner=rival)
+        return SimpleNamespace(winner=rival, rivals=(rival,))
 
-    def asks(left, estimated, named):
+    def asks(left, estimated, named, base=9.0, together=None):
         def look_again(*_, quick):
             asked.append("quick" if quick else "wide")
             return look(estimated, "unknown")
 
         monkeypatch.setattr(nearby, "look_again", look_again)
         monkeypatch.setattr(nearby, "named_beside", lambda *_: asked.append("named") or look(named, "fracture"))
+        monkeypatch.setattr(nearby, "_in_forms_together", lambda *_: asked.append("in forms") or together)
         monkeypatch.setattr(nearby, "_two_of_all", lambda *_: asked.append("of all"))
         monkeypatch.setattr(nearby, "followed", lambda *_: asked.append("followed") or (None, None))
-        inquiry = SimpleNamespace(base=leaving(9.0))
+        inquiry = SimpleNamespace(base=leaving(base))
         search = SimpleNamespace(fitted=lambda: None, **vars(leaving(left)))
         _with_a_second(inquiry, None, SimpleNamespace(leader=None), search)
         return asked
@@ -106,7 +110,7 @@ def second(monkeypatch):
 
 def test_where_the_first_leaves_but_a_trace_and_none_convinces_beside_it_nothing_more_is_asked(monkeypatch):
     """By a quick look: no second could explain as much as it would have to."""
-    look = SimpleNamespace(winner=None)
+    look = SimpleNamespace(winner=None, rivals=())
     monkeypatch.setattr(nearby, "look_again", lambda *_, quick: look)
     monkeypatch.setattr(nearby.Discovery, "of", lambda base, search, findings, last: (findings, last))
     monkeypatch.setattr(nearby, "_two_of_all", lambda *_: "of all")
@@ -118,15 +122,24 @@ def test_where_the_first_leaves_but_a_trace_and_none_convinces_beside_it_nothing
 
 
 def test_a_known_cause_instead_of_an_estimate_completes_what_leaves_much(second):
-    assert second(3.0, 1.5, named=1.02) == ["quick", "named", "followed"]
+    assert second(3.0, 1.4, named=1.02) == ["quick", "named", "followed"]
+
+
+def test_what_completes_it_in_another_form_is_asked_before_couples_of_all_causes(second):
+    assert second(3.0, 1.4, named=1.35, together="found") == ["quick", "named", "in forms"]
 
 
 def test_couples_of_all_causes_are_asked_where_nothing_completes_it(second):
-    assert second(3.0, 2.0, named=1.9) == ["quick", "named", "of all"]
+    assert second(3.0, 1.4, named=1.35) == ["quick", "named", "in forms", "of all"]
 
 
-def test_an_estimate_that_leaves_most_is_given_no_name_before_couples_are_asked(second):
-    assert second(3.0, 2.5, named=1.0) == ["quick", "of all"]
+def test_an_estimate_that_leaves_much_is_given_no_name_before_couples_are_asked(second):
+    assert second(3.0, 2.0, named=1.0) == ["quick", "in forms", "of all"]
+
+
+@pytest.mark.parametrize(("base", "next_asked"), [(20.0, ["followed"]), (10.0, ["in forms", "of all"])])
+def test_a_second_cause_that_leaves_a_hundredth_of_all_is_followed_though_forms_are_off(second, base, next_asked):
+    assert second(4.0, 1.6, named=1.5, base=base) == ["quick", "named", *next_asked]
 
 
 def test_a_second_cause_that_leaves_a_twentieth_completes_it_though_forms_are_off(second):
@@ -135,3 +148,47 @@ def test_a_second_cause_that_leaves_a_twentieth_completes_it_though_forms_are_of
 
 def test_what_leaves_little_is_followed_at_once(second):
     assert second(1.2, 1.1, named=1.0) == ["wide", "followed"]
+
+
+@pytest.fixture
+def together(monkeypatch):
+    """What comes of a first cause that leaves 3 times the noise and a second beside it that leaves so much, and both in their
+    best forms so much; where a look has these rivals."""
+    first = rival_at("rails", "relaxation", 3.0)
+
+    def told(end, *others):
+        look = Look(others, (), 0.0, None)
+        search = SimpleNamespace(fitted=lambda: None, **vars(leaving(end)))
+        asked = []
+        monkeypatch.setattr(nearby, "with_one_more", lambda _, begun, look, claim: ([*begun, look.led_by(claim)], search))
+        monkeypatch.setattr(nearby, "look_again", lambda _, fitted, found: asked.append([one.place for one in found]))
+        monkeypatch.setattr(nearby, "followed", lambda _, begun, look: ([one.leader.search.normalised for one in begun], look))
+        inquiry = SimpleNamespace(base=leaving(9.0))
+        begun = Look((first,), (1.0,), 0.0, None)
+        return _in_forms_together(inquiry, begun, look, first.search), asked
+
+    return told
+
+
+def rival_at(place, physics, normalised):
+    search = SimpleNamespace(**vars(leaving(normalised)), deviance=1000.0 * normalised**2)
+    return Rival(Proposal(physics, "", {"joint": place}, None, (), {}), search, 9000.0, 4500.0)
+
+
+def test_two_causes_that_leave_nothing_in_their_best_forms_are_followed_from_there(together):
+    found, asked = together(1.05, rival_at("nose", "unknown", 1.5), rival_at("nose", "clearance", 1.9))
+    assert found == [3.0, 1.05]
+    assert asked == [["joint rails", "joint nose"]]
+
+
+@pytest.mark.parametrize(
+    ("end", "other", "why"),
+    [
+        (1.6, rival_at("nose", "clearance", 1.9), "they leave something even so"),
+        (1.05, rival_at("nose", "clearance", 2.5), "the second explains little before"),
+        (1.05, rival_at("rails", "clearance", 1.9), "both are at one place"),
+        (1.05, rival_at("nose", "unknown", 1.9), "it is an estimate"),
+    ],
+)
+def test_else_they_are_not(together, end, other, why):
+    assert together(end, other)[0] is None, why

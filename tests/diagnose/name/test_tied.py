@@ -23,14 +23,14 @@ def rival(physics, left, deviance=1000.0, place="rails"):
 def asked(monkeypatch):
     """Friction that alone leaves 10, beside a mass; what else a look has, and what that leaves beside the mass."""
 
-    def told(others, beside, before=("mass",)):
+    def told(others, beside, before=("mass",), together=0.0):
         forms = {name: rival(name, 0.0, deviance) for name, deviance in beside.items()}
         monkeypatch.setattr(
             tied, "in_all_forms", lambda inquiry, one, *_: [Candidate(one.proposal, forms[one.proposal.physics].search)]
         )
         base = SimpleNamespace(misfit=SimpleNamespace(names=("mass",)))
         inquiry = SimpleNamespace(base=base, fit_with=lambda rivals, last: rival("joint_friction", 10.0).search)
-        friction, mass = rival("joint_friction", 0.0), rival("added_mass", 0.0)
+        friction, mass = rival("joint_friction", together), rival("added_mass", together)
         first = SimpleNamespace(names=before)
         looks = [Look((friction, *others), (1.0,), 0.0, first), Look((mass,), (1.0,), 0.0, None)]
         found, search = untied(inquiry, looks, friction.search)
@@ -61,6 +61,12 @@ def test_a_finding_stays_beside_what_leaves_more_there(asked):
 )
 def test_what_was_told_from_it_or_is_an_estimate_or_elsewhere_is_not_asked_again(asked, other):
     assert asked([other], {})[3]
+
+
+@pytest.mark.parametrize(("together", "is_asked"), [(0.1, False), (1.0, True)])
+def test_where_both_leave_something_what_was_told_from_the_first_by_less_than_double_is_asked(asked, together, is_asked):
+    physics, *_ = asked([rival("tension", 19.0), rival("fracture", 21.0)], {"tension": 950.0}, together=together)
+    assert physics[0] == ("tension" if is_asked else "joint_friction")
 
 
 def test_rivals_that_were_fitted_beside_another_finding_are_not_asked_again(asked):
