@@ -92,7 +92,7 @@ def _with_a_second(inquiry: Inquiry, near: Look, first: Look, search: Search) ->
 
 def _in_forms_together(inquiry: Inquiry, first: Look, look: Look, search: Search) -> Discovery | None:
     """What the first cause and the known one that leaves least beside it come to, if each in its best form they leave next to
-    nothing: a form that is off leaves more than any couple of others has to be asked for."""
+    nothing: in a form that is off, the right two may leave much."""
     known = [rival for rival in look.rivals if not is_unknown(rival)]
     if not known or known[0].place == first.leader.place or known[0].search.excess > FOLLOWED * search.excess:
         return None
