@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from attrs import evolve, field, frozen
 
 from crashkit.diagnose.fitting.couples import Couple
-from crashkit.diagnose.fitting.evidence import UNEXPLAINED, by_evidence, is_unknown
+from crashkit.diagnose.fitting.evidence import UNEXPLAINED, by_evidence, is_at_noise, is_unknown
 from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.follow import (
@@ -57,7 +57,8 @@ def followed_nearby(inquiry: Inquiry, near: Look) -> Nearby:
     if not known:
         return Nearby(near)
     if known[0].search.excess > FOLLOWED * inquiry.base.excess:
-        return Nearby(near, _two_at_once(inquiry, near, known[0].search))
+        # What an estimate at one place explains alone is not made of two causes at two.
+        return Nearby(near, None if is_at_noise(near.leader.search) else _two_at_once(inquiry, near, known[0].search))
     first, search = _at_its_best(inquiry, compared(near, known))
     near = compared(first, by_evidence([*first.rivals, *filter(is_unknown, near.rivals)]))
     winner = first.winner

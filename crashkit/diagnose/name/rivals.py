@@ -9,7 +9,7 @@ from crashkit.diagnose.claims import Progress, Start, first_of_each, identity, i
 from crashkit.diagnose.fitting.candidates import Candidate
 from crashkit.diagnose.fitting.contest import GROWING, heats, promising, scores, scouted
 from crashkit.diagnose.fitting.couples import Couple
-from crashkit.diagnose.fitting.evidence import FLOOR, STRAINED, Rival, explains, is_strained, ranked_by_evidence
+from crashkit.diagnose.fitting.evidence import FLOOR, STRAINED, Rival, explains, is_at_noise, is_strained, ranked_by_evidence
 from crashkit.diagnose.fitting.from_given import FromGiven
 from crashkit.diagnose.fitting.reidentify import scattered
 from crashkit.diagnose.fitting.score import Score
@@ -163,8 +163,8 @@ def _cost(workshop: Workshop, misfit: Misfit) -> float:
 
 
 def _from_given(claims: FromGiven, astray: float) -> tuple[list[Candidate], list[Couple]]:
-    """Claims from the values that the user gave: along the measured motion, and where none explains everything, couples of
-    them, and those that it says nothing about simulated.
+    """Claims from the values that the user gave: along the measured motion, and where none explains everything, those that it
+    says nothing about simulated; and couples of them, where no estimate does that, of which a couple would leave far less.
     """
     workshop, given, progress = claims.workshop, claims.given, claims.progress
     found = claims.singles
@@ -172,7 +172,8 @@ def _from_given(claims: FromGiven, astray: float) -> tuple[list[Candidate], list
     if any(search.normalised <= FLOOR and not is_strained(search) for search in known):
         return found, []
     least = min((search.excess for _, search in found), default=np.inf)
-    couples = claims.couples(least)
+    is_one = any(proposal.physics == UNKNOWN and is_at_noise(search) for proposal, search in found)
+    couples = [] if is_one else claims.couples(least)
     if couples and couples[0].search.excess < COUPLED * least:
         return found, couples
     rest = [proposal for proposal, end in zip(claims.proposals, claims.ends, strict=True) if end is None]

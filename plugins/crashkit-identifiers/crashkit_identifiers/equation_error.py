@@ -30,7 +30,7 @@ class EquationError(SameVariables):
         partly = [run for run, motion in measured.items() if unseen(misfit, motion)]
         seen = [motion for run, motion in measured.items() if run not in partly]
         beside = [PartlySeen(misfit, run, measured[run], step) for run in partly]
-        self._runs = [*([Seen(misfit, seen)] if seen else []), *beside]
+        self._runs: list[Seen | PartlySeen] = [*([Seen(misfit, seen)] if seen else []), *beside]
 
     def residual_and_jacobian(self, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What the equations leave of the measured accelerations, and its derivatives to the search variables."""
