@@ -27,30 +27,37 @@ class EquationError(SameVariables):
     def __init__(self, misfit: Misfit, measured: Mapping[str, xr.Dataset], step: float) -> None:
         super().__init__(misfit)
         self.misfit = misfit
-        partly = [run for run, motion in measured.items() if unseen(misfit, motion)]
-        seen = [motion for run, motion in measured.items() if run not in partly]
-        beside = [PartlySeen(misfit, run, measured[run], step) for run in partly]
-        self._runs: list[Seen | PartlySeen] = [*([Seen(misfit, seen)] if seen else []), *beside]
+        self._parts = _parts(misfit, measured, step)
 
     def residual_and_jacobian(self, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What the equations leave of the measured accelerations, and its derivatives to the search variables."""
         values = self._values(scaled)
-        parts = [run.residual_and_jacobian(values, self.names) for run in self._runs]
+        parts = [part.residual_and_jacobian(values, self.names) for part in self._parts]
         residual, jacobian = (np.concatenate(side) for side in zip(*parts, strict=True))
         return residual, jacobian * self.scaling(scaled)
 
     def residual(self, scaled: np.ndarray) -> np.ndarray:
         """What the equations leave of the measured accelerations."""
         values = self._values(scaled)
-        return np.concatenate([run.residual(values) for run in self._runs])
+        return np.concatenate([part.residual(values) for part in self._parts])
 
     def _values(self, scaled: np.ndarray) -> dict[str, float]:
         return self.misfit.model.values() | self.misfit.values(scaled)
 
 
+def _parts(misfit: Misfit, measured: Mapping[str, xr.Dataset], step: float) -> "list[Seen | PartlySeen]":
+    """The equations of each run in turn; of all runs at once where every body is seen in each."""
+    partly = [run for run, motion in measured.items() if unseen(misfit, motion)]
+    if not partly:
+        return [Seen(misfit, list(measured.values()))]
+    return [
+        PartlySeen(misfit, run, motion, step) if run in partly else Seen(misfit, [motion]) for run, motion in measured.items()
+    ]
+
+
 class Seen:
-    """The equations along the measured motions of the runs that every body is seen in, end to end: one evaluation of all
-    takes little longer than one of each."""
+    """The equations along the measured motions of runs that every body is seen in, end to end: one evaluation of all takes
+    little longer than one of each."""
 
     def __init__(self, misfit: Misfit, motions: Sequence[xr.Dataset]) -> None:
         motions = [known(motion) for motion in motions]
