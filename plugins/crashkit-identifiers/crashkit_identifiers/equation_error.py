@@ -45,16 +45,6 @@ class EquationError(SameVariables):
         return self.misfit.model.values() | self.misfit.values(scaled)
 
 
-def _parts(misfit: Misfit, measured: Mapping[str, xr.Dataset], step: float) -> "list[Seen | PartlySeen]":
-    """The equations of each run in turn; of all runs at once where every body is seen in each."""
-    partly = [run for run, motion in measured.items() if unseen(misfit, motion)]
-    if not partly:
-        return [Seen(misfit, list(measured.values()))]
-    return [
-        PartlySeen(misfit, run, motion, step) if run in partly else Seen(misfit, [motion]) for run, motion in measured.items()
-    ]
-
-
 class Seen:
     """The equations along the measured motions of runs that every body is seen in, end to end: one evaluation of all takes
     little longer than one of each."""
@@ -83,3 +73,13 @@ class Seen:
         columns = [names.index(path) for path in self._form.paths]
         slopes[..., columns] = -matrix[:, self._moving] * self._weight[..., None]
         return residual.ravel(), slopes.reshape(residual.size, len(names))
+
+
+def _parts(misfit: Misfit, measured: Mapping[str, xr.Dataset], step: float) -> list[Seen | PartlySeen]:
+    """The equations of each run in turn; of all runs at once where every body is seen in each."""
+    partly = [run for run, motion in measured.items() if unseen(misfit, motion)]
+    if not partly:
+        return [Seen(misfit, list(measured.values()))]
+    return [
+        PartlySeen(misfit, run, motion, step) if run in partly else Seen(misfit, [motion]) for run, motion in measured.items()
+    ]
