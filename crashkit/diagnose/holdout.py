@@ -11,7 +11,7 @@ from crashkit.diagnose.fitting.reidentify import refine
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.fitting.sharpen import in_the_light_of, weighed_alike
 from crashkit.diagnose.fitting.thresholds import wakened
-from crashkit.diagnose.name.follow import TRACE, Discovery
+from crashkit.diagnose.name.follow import LEAST_THIRD, TRACE, Discovery
 from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.workshop import Workshop
 from crashkit.model import Model
@@ -51,7 +51,8 @@ def is_contradicted(discovery: Discovery, together: Search) -> bool:
     if not discovery.findings:
         return not is_at_noise(together)
     base, left = (normalised(misfit, told_only=True) for misfit in (discovery.base, together.fitted()))
-    return left > UNEXPLAINED and left**2 - 1.0 > TRACE * (base**2 - 1.0)
+    share = TRACE if len(discovery.findings) == 1 else LEAST_THIRD
+    return left > UNEXPLAINED and left**2 - 1.0 > share * (base**2 - 1.0)
 
 
 def leading_looks(discovery: Discovery) -> Sequence[Look]:
