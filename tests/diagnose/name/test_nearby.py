@@ -9,7 +9,7 @@ from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.name import nearby
 from crashkit.diagnose.name.look import Look
-from crashkit.diagnose.name.nearby import _in_forms_together, _two_at_once, _two_of_all, _with_a_second
+from crashkit.diagnose.name.nearby import _in_forms_together, _two_at_once, _two_of_all, _with_a_second, followed_nearby
 from crashkit.protocols import Proposal
 
 
@@ -192,3 +192,10 @@ def test_two_causes_that_leave_nothing_in_their_best_forms_are_followed_from_the
 )
 def test_else_they_are_not(together, end, other, why):
     assert together(end, other)[0] is None, why
+
+
+@pytest.mark.parametrize(("estimate", "found"), [(1.01, None), (1.3, "two")])
+def test_two_causes_are_not_asked_for_where_an_estimate_at_one_place_leaves_nothing(monkeypatch, estimate, found):
+    monkeypatch.setattr(nearby, "_two_at_once", lambda *_: "two")
+    near = Look((rival_at("nose", "unknown", estimate), rival_at("rails", "clearance", 8.0)), (1.0, 0.0), 0.0, None)
+    assert followed_nearby(SimpleNamespace(base=leaving(9.0)), near).found == found

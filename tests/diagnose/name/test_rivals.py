@@ -1,9 +1,13 @@
 """Which claims a look begins with, and from how many of their starts."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from crashkit.diagnose.claims import propose_all
+from crashkit.diagnose.fitting.candidates import Candidate
 from crashkit.diagnose.name import rivals
+from crashkit.protocols import Proposal
 
 
 @pytest.fixture
@@ -44,3 +48,26 @@ def test_where_much_is_left_few_samples_say_where_to_begin_and_no_limits(
     _, limits = rivals.nearest_rivals(workshop, base, [], lambda proposal: 20.0, lambda doing, share: None)
     assert (asked[0].sample_count < base.sample_count) is is_few
     assert limits == seen
+
+
+@pytest.mark.parametrize(
+    ("physics", "left", "is_asked"), [("unknown", 1.01, False), ("unknown", 1.3, True), ("peak_load", 1.3, True)]
+)
+def test_couples_are_asked_from_the_given_numbers_but_where_an_estimate_leaves_nothing(monkeypatch, physics, left, is_asked):
+    asked = []
+    monkeypatch.setattr(rivals, "is_strained", lambda search: True)
+    for name in ("scores", "promising", "scouted", "heats"):
+        monkeypatch.setattr(rivals, name, lambda *_: [])
+    search = SimpleNamespace(normalised=left, excess=left**2 - 1.0, misfit=SimpleNamespace(independent_samples=1000.0))
+    single = Candidate(Proposal(physics, "", {"joint": "nose"}, None, (), {}), search)
+    claims = SimpleNamespace(
+        workshop=None,
+        given=SimpleNamespace(coarse=None),
+        progress=None,
+        proposals=[],
+        ends=[],
+        singles=[single],
+        couples=lambda least: asked.append(least) or [],
+    )
+    assert rivals._from_given(claims, 1.0) == ([single], [])
+    assert bool(asked) is is_asked
