@@ -122,15 +122,18 @@ class Misfit(SearchVariables):
         return np.concatenate(sums)
 
     def deviance(self, residual: np.ndarray) -> float:
-        """Minus twice the log likelihood, up to a constant.
+        """Minus twice the log likelihood, up to a constant: of all channels, and of what is known of parameters beforehand."""
+        known = float(np.sum(residual[len(residual) - self._known.size :] ** 2))
+        return known + float(np.sum(self.channel_deviances(residual)))
+
+    def channel_deviances(self, residual: np.ndarray) -> np.ndarray:
+        """Minus twice the log likelihood of each channel, up to a constant.
 
         A channel with a trusted noise level counts its sum of squares; one whose level is only estimated counts
-        `n log(std^2 sum / n)`, the likelihood with the level left open, whatever its weight. What is known of parameters
-        beforehand counts as it is.
+        `n log(std^2 sum / n)`, the likelihood with the level left open, whatever its weight.
         """
-        known = float(np.sum(residual[len(residual) - self._known.size :] ** 2))
         sums = zip(self.channels, self.channel_sums(residual), strict=True)
-        return known + sum(_deviance(channel, float(total)) for channel, total in sums)
+        return np.array([_deviance(channel, float(total)) for channel, total in sums])
 
     def reweighted(self, scaled: np.ndarray) -> "Misfit":
         """The same misfit with open noise levels set to what the model leaves of those channels."""

@@ -39,6 +39,7 @@ from crashkit.diagnose.name.pace import check_rate
 from crashkit.diagnose.name.pairs import both, named_before_unknown
 from crashkit.diagnose.name.pointed import with_causes_pointed_to
 from crashkit.diagnose.name.rivals import CONCEALED, may_conceal
+from crashkit.diagnose.name.shown_alone import is_shown_alone
 from crashkit.diagnose.name.simpler import in_fewer_numbers
 from crashkit.diagnose.result import UNKNOWN
 
@@ -108,8 +109,9 @@ def beside_reading(inquiry: Inquiry, reading: Look) -> Discovery:
         told = in_time(reading, _told_beside, inquiry, reading, near.winner)
         if told is not reading:
             reading, put_right, near = told, _with_reading_right(inquiry, told), None
-    search = put_right.base
-    structure = in_time(Discovery.of(search, search), explored, put_right, near)
+    structure = Discovery.of(put_right.base, put_right.base)
+    if near is None or near.winner is None or not is_shown_alone(reading.leader, near.winner):
+        structure = in_time(structure, explored, put_right, near)
     findings, search = [reading, *structure.findings], structure.search
     findings, search = in_time((findings, search), in_best_forms, inquiry, findings, search)
     if structure.findings:

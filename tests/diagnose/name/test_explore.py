@@ -211,3 +211,22 @@ def test_an_instrument_that_is_wrong_and_what_the_structure_lacks_are_both_found
     values = told.search.misfit.values(told.search.point)
     assert values[next(name for name in values if name.endswith("gain"))] == pytest.approx(0.6, rel=0.01)
     assert values[next(name for name in values if name.endswith("damping"))] == pytest.approx(800.0, rel=0.05)
+
+
+def test_what_nothing_but_the_wrong_instrument_shows_is_asked_no_further(monkeypatch, inquiry, offered):
+    look, base, final = offered(0.0)
+    reading = Look(
+        (evolve(look.leader, proposal=Proposal("gain_error", "", SENSOR, None, (), {})),), (1.0,), 0.0, base.fitted()
+    )
+    asked = []
+    monkeypatch.setattr(explore, "_near", lambda inquiry: leaving(1.3, "unknown"))
+    monkeypatch.setattr(explore, "_told_beside", lambda inquiry, reading, structure: reading)
+    monkeypatch.setattr(
+        explore, "explored", lambda inquiry, near: asked.append(near) or Discovery.of(inquiry.base, inquiry.base)
+    )
+    monkeypatch.setattr(explore, "in_best_forms", lambda inquiry, findings, search: (findings, search))
+    for is_alone in (True, False):
+        monkeypatch.setattr(explore, "is_shown_alone", lambda first, second, alone=is_alone: alone)
+        found = explore.beside_reading(inquiry(base), reading)
+        assert found.findings == (reading,)
+        assert len(asked) == (not is_alone)
