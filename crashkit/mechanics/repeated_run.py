@@ -120,7 +120,7 @@ def entry_of(simulator: Simulator, quantity: str, body: str, axis: str) -> int |
     """
     layout = simulator.layout
     axes, bodies = layout.axes, layout.bodies
-    supports = quantity == FORCE and bool(simulator.names["joint_support"].any())
+    supports = quantity == FORCE and bool(simulator.names["joint_support"].values.any())
     if supports or quantity not in BY_BODY or axis not in axes:
         return None
     dof = DOF[len(axes)]

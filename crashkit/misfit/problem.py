@@ -163,8 +163,10 @@ class Misfit(SearchVariables):
     def with_values(self, values: Mapping[str, float], free: Mapping[str, bool] | None = None) -> "Misfit":
         """The misfit of the same structure at other values; `free` frees or fixes parameters by path."""
         model = self.model.at(values)
-        changes = {path: evolve(model.parameters()[path], fixed=not is_free) for path, is_free in (free or {}).items()}
-        return self._with(model=model.with_parameters(changes))
+        if free:
+            known = model.parameters()
+            model = model.with_parameters({path: evolve(known[path], fixed=not is_free) for path, is_free in free.items()})
+        return self._with(model=model)
 
     def with_values_of(self, other: "Misfit") -> "Misfit":
         """The same misfit with the numbers that its model shares with another's where they stand in that."""

@@ -15,7 +15,7 @@ from crashkit.diagnose.locate.aside import CLOCK, Suspect, late_clocks, on_time,
 from crashkit.diagnose.locate.consistency import by_run, check_instruments
 from crashkit.diagnose.name.contradicted import asked_first, named_nevertheless
 from crashkit.diagnose.name.explore import beside_reading, explored
-from crashkit.diagnose.name.follow import Discovery, followed
+from crashkit.diagnose.name.follow import Discovery, followed, leaves_no_second
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look, look_again
@@ -111,7 +111,8 @@ def _read_by_all(inquiry: Inquiry, structure: Discovery) -> Discovery | None:
         return None
     findings = [*others, Look.of(rivals[:1], rest.fitted(), len(turning.rivals))]
     search = rivals[0].search
-    look = in_time(None, look_again, inquiry, search.fitted(), [one.leader for one in findings])
+    is_quick = len(findings) == 1 and leaves_no_second(search, inquiry.base)
+    look = in_time(None, look_again, inquiry, search.fitted(), [one.leader for one in findings], quick=is_quick)
     return followed(inquiry, findings, look)[0] if look else Discovery.of(inquiry.base, search, tuple(findings))
 
 

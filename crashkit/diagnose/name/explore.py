@@ -23,9 +23,9 @@ from crashkit.diagnose.name.follow import (
     TIE,
     Discovery,
     followed,
-    is_but_a_trace,
     is_estimated,
     leave_no_third,
+    leaves_no_second,
     reconsidered,
 )
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
@@ -154,14 +154,14 @@ def _is_much_better(form: Rival, claim: Rival, structure: Rival) -> bool:
 
 
 def _suffices(found: Discovery, base: Search) -> bool:
-    """Whether one cause explains everything that most channels tell, or leaves less above the noise than a second one would
-    have to explain; or two do that, whatever the noise, and nothing convinces beside them; or one leaves but a trace of what
-    is gross, and none does beside it."""
+    """Whether one cause explains everything that most channels tell, or leaves less than a second one would have to explain,
+    and next to nothing above the noise, or nothing convinces beside it; or two do that, whatever the noise, and nothing
+    convinces beside them."""
     search = found.search
     if len(found.findings) == 1:
-        is_little = search.normalised < FLOOR and search.excess < FORM_ERRORS[0] * base.excess
-        is_trace = found.last is not None and is_but_a_trace(search, base)
-        return explains(search) or ((is_little or is_trace) and is_sound(search)) or _is_told_by_most(search)
+        is_last = search.normalised < FLOOR or found.last is not None
+        is_little = is_last and leaves_no_second(search, base)
+        return explains(search) or (is_little and is_sound(search)) or _is_told_by_most(search)
     is_little = search.normalised < UNEXPLAINED and search.excess < FORM_ERRORS[1] * base.excess
     is_all = found.last is not None and len(found.findings) == 2 and not is_estimated(found.findings)
     is_enough = leave_no_third(found.findings, search, base) or (is_all and is_little)

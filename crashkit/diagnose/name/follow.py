@@ -142,6 +142,11 @@ def is_but_a_trace(search: Search, base: Search) -> bool:
     return search.excess < TRACE * base.excess
 
 
+def leaves_no_second(search: Search, base: Search) -> bool:
+    """Whether one finding leaves less of what was left without it than a second one would have to explain."""
+    return search.excess < FORM_ERRORS[0] * base.excess
+
+
 def _freed(findings: Sequence[Look], search: Search, winner: Rival) -> tuple[list[Look], Search] | None:
     """The findings fitted from where one more has moved their numbers, if they then explain most of what that does.
 

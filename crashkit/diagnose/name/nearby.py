@@ -16,6 +16,7 @@ from crashkit.diagnose.name.follow import (
     followed,
     is_but_a_trace,
     leave_no_third,
+    leaves_no_second,
     with_one_more,
 )
 from crashkit.diagnose.name.forms import in_best_forms
@@ -75,10 +76,13 @@ def followed_nearby(inquiry: Inquiry, near: Look) -> Nearby:
 def _with_a_second(inquiry: Inquiry, near: Look, first: Look, search: Search) -> Nearby:
     """What is found beside the first cause; where that leaves much, only what leaves next to nothing then.
 
+    Where a second one could hardly be told, no more is asked than what leads from the numbers as they are.
+
     Arguments:
         search: the fit with the first.
     """
-    look = look_again(inquiry, search.fitted(), [first.leader], quick=search.normalised > CONCEALED)
+    is_quick = search.normalised > CONCEALED or leaves_no_second(search, inquiry.base)
+    look = look_again(inquiry, search.fitted(), [first.leader], quick=is_quick)
     if look.winner is None and is_but_a_trace(search, inquiry.base):
         return Nearby(near, Discovery.of(inquiry.base, search, (first,), look), look)
     if search.normalised > CONCEALED:

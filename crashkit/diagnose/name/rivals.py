@@ -29,6 +29,10 @@ their own: they begin far above the others, and need more steps to show what the
 CONCEALED = 1.3
 """Normalised residual of the re-identified model above which it may have hidden physics in wrong values of its own; then the
 hypotheses are also fitted from the values that the user gave."""
+FORMS = 2
+"""In how many forms every claim about the structure is tried first, those that promise most: what each leaves is mostly alike."""
+LEADING = 8
+"""How many of the claims that are then ahead are tried in all their forms."""
 POLISHED = 2
 """How many of the leading claims are then searched again."""
 SCATTERED = 6
@@ -103,12 +107,23 @@ def _ahead(workshop: Workshop, base: Misfit, chosen: Sequence[Start], progress: 
     """Short fits of the claims about the structure, and of those about a sensor that may explain half as much as the best."""
     astray, most = _astray(workshop, base), HEATS[0][0]
     structure, readings = ([one for one in chosen if (sensor_of(one[0]) is not None) is read] for read in (False, True))
-    ahead = scouted(workshop, base, first_of_each(structure, 1), (1.0,), most, astray, progress)
+    ahead = _in_leading_forms(workshop, base, first_of_each(structure, 1), astray, progress)
     cost = _cost(workshop, base)
     best = min((search.state.cost for _, search in ahead), default=cost)
     readings = readings if len(readings) <= most else first_of_each(readings, 1)
     further = that_may_reach(workshop.identifier, base, readings, cost - SENSOR_SHARE * (cost - best))
     return [*ahead, *scouted(workshop, base, further, (1.0,), most, astray, progress)]
+
+
+def _in_leading_forms(
+    workshop: Workshop, base: Misfit, starts: Sequence[Start], astray: float, progress: Progress
+) -> list[Candidate]:
+    """Short fits of each claim in the forms that promise most, and of those that are then ahead in all their forms."""
+    first = first_of_each(starts, FORMS, identity)
+    ahead = scouted(workshop, base, first, (1.0,), HEATS[0][0], astray, progress)
+    leading = list(dict.fromkeys(identity(proposal) for proposal, _ in ahead))[:LEADING]
+    rest = [one for one in starts if identity(one[0]) in leading and not any(one is other for other in first)]
+    return [*ahead, *scouted(workshop, base, rest, (1.0,), HEATS[0][0], astray, progress)]
 
 
 def further_rivals(

@@ -146,8 +146,10 @@ def test_a_second_cause_that_leaves_a_twentieth_completes_it_though_forms_are_of
     assert second(5.0, 1.5, named=1.4) == ["quick", "named", "followed"]
 
 
-def test_what_leaves_little_is_followed_at_once(second):
-    assert second(1.2, 1.1, named=1.0) == ["wide", "followed"]
+@pytest.mark.parametrize(("base", "look"), [(5.0, "wide"), (9.0, "quick")])
+def test_what_leaves_little_is_followed_at_once(second, base, look):
+    """After a quick look where a second could hardly be told."""
+    assert second(1.2, 1.1, named=1.0, base=base) == [look, "followed"]
 
 
 @pytest.fixture

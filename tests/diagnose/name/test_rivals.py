@@ -34,6 +34,26 @@ def test_each_begins_at_its_best_where_more_are_asked_than_enter_the_first_heat(
     assert begun(rivals.HEATS[0][0] + 1) == [1, 1]
 
 
+def test_only_claims_that_are_ahead_in_their_first_forms_are_tried_in_all(monkeypatch):
+    """Here of three forms the last leaves least, which the first two do not tell."""
+    asked = []
+
+    def scouted(workshop, base, starts, *rest):
+        asked.append([proposal.form for proposal, _ in starts])
+        ends = [Candidate(claim, SimpleNamespace(state=SimpleNamespace(cost=float(claim.form[1:])))) for claim, _ in starts]
+        return sorted(ends, key=lambda one: one.search.state.cost)
+
+    monkeypatch.setattr(rivals, "scouted", scouted)
+    monkeypatch.setattr(rivals, "LEADING", 2)
+    costs = {"rails": (5, 3, 1), "mounts": (4, 6, 9), "nose": (7, 8, 2)}
+    claims = [
+        Proposal("clearance", f"{joint[0]}{cost}", {"joint": joint}, None, (), {}) for joint in costs for cost in costs[joint]
+    ]
+    ends = rivals._in_leading_forms(None, None, [(claim, {}) for claim in claims], 0.0, None)
+    assert asked == [["r5", "r3", "m4", "m6", "n7", "n8"], ["r1", "m9"]]
+    assert [proposal.form for proposal, _ in ends] == ["r3", "m4", "r5", "m6", "n7", "n8", "r1", "m9"]
+
+
 @pytest.mark.parametrize(("factor", "is_few", "seen"), [(1.0, False, ["smallest"]), (0.5, True, [])])
 def test_where_much_is_left_few_samples_say_where_to_begin_and_no_limits(
     monkeypatch, workshop, misfit, model, recorded, factor, is_few, seen
