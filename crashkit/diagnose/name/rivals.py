@@ -30,7 +30,7 @@ CONCEALED = 1.3
 """Normalised residual of the re-identified model above which it may have hidden physics in wrong values of its own; then the
 hypotheses are also fitted from the values that the user gave."""
 FORMS = 2
-"""In how many forms every claim about the structure is tried first, those that promise most: what each leaves is mostly alike."""
+"""In how many forms every claim about the structure is tried first, those that promise most: all mostly leave as much."""
 LEADING = 8
 """How many of the claims that are then ahead are tried in all their forms."""
 POLISHED = 2
