@@ -17,8 +17,11 @@ STRETCHED = 1e-4
 
 
 class Tension(Hypothesis):
-    """The joint's own lines go on below F = 0, without end or to a limit; or F = F_law + k min(0, d + slack), which
-    may yield; or a hook latches as it is crushed, which may yield too: F = F_law - P max(0, (d_max - d - play) / way)^n."""
+    """The joint's own lines go on below F = 0, as steep or less, without end or to a limit; or a strap, which may yield,
+    F = F_law + k min(0, d + slack); or a hook latches as it is crushed, which may yield; or a hook latches as it is crushed, which may yield too:
+
+    F = F_law - P max(0, (d_max - d - play) / way)^n.
+    """
 
     physics: ClassVar[str] = "tension"
     sentence: ClassVar[str] = "{place} also pulls"
@@ -44,10 +47,9 @@ class Tension(Hypothesis):
         law = load().spring_laws.get(joint.law)
         if law is None or not any(spec.name == "tension_force" for spec in law.parameters):
             return []
-        pull = {"tension": Parameter(1.0, fixed=True), "tension_force": Parameter(0.0, 0.0, largest)}
+        pull = {"tension_force": Parameter(0.0, 0.0, largest), "tension": Parameter(1.0, 0.0, 1.0)}
         starts = grid(tension_force=(0.0, 0.1 * largest, 0.4 * largest))
-        limited = Effect(self.physics, "own line, to a limit", joint.law, pull, "tension_force", starts)
-        return [evolve(changed(model, joint, limited), refined=True)]
+        return [changed(model, joint, Effect(self.physics, "own line, to a limit", joint.law, pull, "tension_force", starts))]
 
     def _straps(self, model: Model, joint: Joint, stretch: float, largest: float) -> list[Proposal]:
         strap = {"stiffness": Parameter(0.0, 0.0, 1e9), "slack": Parameter(0.0, 0.0, stretch)}
