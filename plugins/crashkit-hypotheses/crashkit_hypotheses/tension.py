@@ -18,10 +18,8 @@ STRETCHED = 1e-4
 
 class Tension(Hypothesis):
     """The joint's own lines go on below F = 0, as steep or less, without end or to a limit; or a strap, which may yield,
-    F = F_law + k min(0, d + slack); or a hook latches as it is crushed, which may yield; or a hook latches as it is crushed, which may yield too:
-
-    F = F_law - P max(0, (d_max - d - play) / way)^n.
-    """
+    F = F_law + k min(0, d + slack); or a hook latches as it is crushed, which may yield too,
+    F = F_law - P max(0, (d_max - d - play) / way)^n."""
 
     physics: ClassVar[str] = "tension"
     sentence: ClassVar[str] = "{place} also pulls"
