@@ -91,11 +91,16 @@ def test_a_body_that_turns_is_told_where_all_its_sensors_say_so(told_by_all):
 
 
 def test_it_is_told_where_there_is_no_time_to_look_for_more(told_by_all, monkeypatch):
-    def too_late(*_):
+    """No wide look is made: that leaves less than a second finding would have to explain."""
+    asked = []
+
+    def too_late(*_, quick):
+        asked.append(quick)
         raise OutOfTimeError
 
     monkeypatch.setattr(discover, "look_again", too_late)
     told = told_by_all(0.0)[-1]
+    assert asked == [True]
     assert told.search.normalised < 1.1
     assert [look.leader.proposal.physics for look in told.findings] == ["rotation"]
 
