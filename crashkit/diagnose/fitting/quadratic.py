@@ -9,8 +9,7 @@ from crashkit.errors import SimulationError
 from crashkit.misfit import Misfit
 
 ALIKE = 0.03
-"""Units of noise within which two simulations are the same, and their derivatives to a thousandth: one that meets one more
-corner is off by less."""
+"""Units of noise within which two simulations are the same: one that meets a corner more is off by less."""
 
 
 @frozen(eq=False)
