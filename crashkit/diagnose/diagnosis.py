@@ -106,10 +106,10 @@ def _discovered_at_pace(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery:
     try:
         return in_time(Discovery.of(base, base), discover, inquiry, looks)
     except OutrunError as outrun:
-        found = outrun.found
+        found, beside = outrun.found, outrun.beside
     workshop = evolve(workshop, step=min(workshop.step, fine_step(found.search.fitted())))
     thin = in_the_light_of(workshop, inquiry.given.model, inquiry.unthinned, found.search.fitted())
     base = begin(workshop.identifier, thin.with_values(base.values)).advance(STEPS)
-    alone = Look((found,), (1.0,), 0.0, base.fitted())
+    findings = (*beside, Look((found,), (1.0,), 0.0, base.fitted()))
     finer = Inquiry(workshop, base.misfit.with_values_of(inquiry.given), base, inquiry.progress)
-    return in_time(Discovery.of(base, found.search, (alone,)), discover, finer, (alone,))
+    return in_time(Discovery.of(base, found.search, findings), discover, finer, findings)

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from attrs import field, frozen
+from attrs import evolve, field, frozen
 
 from crashkit.diagnose.claims import accuses_instrument
 from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED, Rival, explains, is_unknown, ranked_by_evidence
@@ -168,8 +168,8 @@ def with_one_more(inquiry: Inquiry, findings: Sequence[Look], look: Look, winner
     more = [*findings, in_time(look, settled, inquiry, look, winner, found)]
     search = more[-1].leader.search
     more, search = in_time((more, search), in_best_forms, inquiry, more, search)
-    if len(more) == 1:
-        check_pace(inquiry, more[0].leader)
+    if not is_estimated(more):
+        check_pace(inquiry, evolve(more[-1].leader, search=search), more[:-1])
     return more, search
 
 

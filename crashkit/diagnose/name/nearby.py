@@ -99,7 +99,7 @@ def _in_forms_together(inquiry: Inquiry, first: Look, look: Look, search: Search
     """What the first cause and the known one that leaves least beside it come to, if each in its best form they leave next to
     nothing: in a form that is off, the right two may leave much."""
     known = [rival for rival in look.rivals if not is_unknown(rival)]
-    if not known or known[0].place == first.leader.place or known[0].search.excess > FOLLOWED * search.excess:
+    if not known or known[0].search.excess > FOLLOWED * search.excess:
         return None
     findings, end = with_one_more(inquiry, [first], compared(look, known), known[0])
     if not complete(end, search):

@@ -13,6 +13,8 @@ from crashkit_hypotheses.sizes import compressed, largest_deformation
 
 LOSS = Parameter(0.1, 0.0, 10.0)
 """s m-1, of a stop that is damped."""
+DAMPING = Parameter(0.0, 0.0, 1e7)
+"""N s m-1, of one with a dashpot."""
 SHARES = (0.5, 0.7, 0.85, 0.95)
 PLAIN = ("line", "parabola", "locking", "line, both ways", "parabola, both ways")
 
@@ -21,7 +23,7 @@ class Bottoming(Hypothesis):
     """F = F_law(d) + k x, + c x^2, + k x / (1 - x / l), + P (exp(x / l) - 1) or + P (x / l)^n, with x = max(0, d - e).
 
     What stiffens is crushed, and unloads with the law, or is a stop beside it that gives back what it took, or, as Hunt and
-    Crossley's, a part of that: P (x / l)^n max(0, 1 + c ddot).
+    Crossley's, a part of that: P (x / l)^n max(0, 1 + c ddot), or max(0, k x + c ddot).
     """
 
     physics: ClassVar[str] = "bottoming"
@@ -34,9 +36,10 @@ class Bottoming(Hypothesis):
         return [form for joint in used for form in self._forms(model, joint, largest_deformation(motion, joint.name))]
 
     def _forms(self, model: Model, joint: Joint, reached: float) -> list[Proposal]:
-        *others, power = self._stops(reached)
+        line, *_, power = stops = self._stops(reached)
         damped = evolve(power, form="damped", law="hunt_crossley", parameters={**power.parameters, "loss": LOSS})
-        forms = [*_placed(model, joint, [*others, power]), parallel(model, joint, damped)]
+        dashpot = evolve(line, form="with a dashpot", law="damped_stop", parameters={**line.parameters, "damping": DAMPING})
+        forms = [*_placed(model, joint, stops), *(parallel(model, joint, one) for one in (damped, dashpot))]
         return [evolve(form, refined=form.form not in PLAIN) for form in forms]
 
     def _stops(self, reached: float) -> list[Effect]:

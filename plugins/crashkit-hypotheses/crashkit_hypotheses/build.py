@@ -13,6 +13,8 @@ from crashkit.protocols import Proposal
 from crashkit.registry import load
 
 Table = Mapping[str, Parameter | tuple[Parameter, ...]]
+BESIDE = " | ", " & "
+"""Signs of laws that stand side by side in one joint."""
 NEVER_TURNS = 1e9
 """m2, moment of inertia over mass of a body that does not turn."""
 
@@ -70,7 +72,7 @@ def linked(model: Model, joint: Joint, driver: Joint, effect: Effect) -> Proposa
 def added(model: Model, joint: Joint, effect: Effect) -> Proposal:
     """A force in the loading curve of `joint`, so that it unloads with it; beside it where its law takes none."""
     if takes_in(joint, effect):
-        return changed(model, joint, evolve(effect, law=f"{joint.law} + {effect.law}"))
+        return changed(model, joint, evolve(effect, law=_with_added(joint.law, effect.law)))
     return parallel(model, joint, effect)
 
 
@@ -83,14 +85,21 @@ def beside(model: Model, joint: Joint, effect: Effect) -> list[Proposal]:
 
 def takes_in(joint: Joint, effect: Effect) -> bool:
     """Whether the law of a joint takes a force into its loading curve."""
-    return " + " not in joint.law and f"{joint.law} + {effect.law}" in load().spring_laws
+    return " + " not in joint.law and _with_added(joint.law, effect.law) in load().spring_laws
+
+
+def _with_added(law: str, added: str) -> str:
+    """A law with another in its loading curve, which is that of the first where several push together."""
+    first, sign, others = law.partition(" & ")
+    return f"{first} + {added}{sign}{others}"
 
 
 def pushing_beside(model: Model, joint: Joint, effect: Effect) -> list[Proposal]:
-    """A force beside the law of `joint`, which together only push; none where that law is made of several or may pull."""
+    """A force beside the law of `joint`, which together only push; none where that may pull or has one beside it already."""
     law = f"{joint.law} & {effect.law}"
     pull = joint.parameters.get("tension")
-    if " " in joint.law or (isinstance(pull, Parameter) and pull.value) or law not in load().spring_laws:
+    may_pull = isinstance(pull, Parameter) and pull.value
+    if may_pull or any(sign in joint.law for sign in BESIDE) or law not in load().spring_laws:
         return []
     return [changed(model, joint, evolve(effect, law=law))]
 

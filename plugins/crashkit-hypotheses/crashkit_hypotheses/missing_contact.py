@@ -27,8 +27,8 @@ RELEASE = 5.0
 
 
 class MissingContact(Hypothesis):
-    """A joint between two bodies that have none: F = k x, c x^2 or P x^n (1 + c ddot), x = max(0, d - gap), or one crushed,
-    to a plateau or to densification beyond it; or P x^n that rubs."""
+    """A joint between two bodies that have none: F = k x, c x^2, P x^n (1 + c ddot) or k x + c ddot, x = max(0, d - gap), or
+    one crushed, to a plateau or to densification beyond it; or P x^n that rubs."""
 
     physics: ClassVar[str] = "missing_contact"
     sentence: ClassVar[str] = "{place} touch, which the model does not know"
@@ -42,6 +42,7 @@ class MissingContact(Hypothesis):
             for pair, reached in pairs
             for form in (
                 *self._forms(model, pair, reached),
+                self._with_dashpot(model, pair, reached),
                 self._rubbing(model, pair, reached),
                 self._member(model, pair, reached, force),
             )
@@ -66,6 +67,13 @@ class MissingContact(Hypothesis):
             Effect(self.physics, "crushed", "crush_stop", crushed | gap, "stiffness", crushing),
         )
         return [between(model, pair, effect) for effect in effects]
+
+    def _with_dashpot(self, model: Model, pair: tuple[str, str], reached: float) -> Proposal:
+        """max(0, k x + c ddot): both act from the first touch on."""
+        numbers = {"stiffness": Parameter(0.0, 0.0, 1e10), "damping": Parameter(0.0, 0.0, 1e7)} | _gap(reached)
+        starts = _starts(reached, stop_deformation=LINE)
+        effect = Effect(self.physics, "with a dashpot", "damped_stop", numbers, "stiffness", starts)
+        return evolve(between(model, pair, effect), refined=True)
 
     def _rubbing(self, model: Model, pair: tuple[str, str], reached: float) -> Proposal:
         """P x^n (1 + share tanh(ddot / slip_rate)): of what it takes, a share never comes back."""

@@ -64,7 +64,10 @@ class ViscousDamping(Hypothesis):
         plain = [parallel(model, joint, effect) for effect in (linear, power, _always(power))]
         refined = (one_way, two_way, _always(two_way), knee, stroke, digressive, _always(digressive))
         fine = [parallel(model, joint, effect) for effect in refined]
-        only = [evolve(effect, form=f"{effect.form}, only pushing") for effect in (linear, power, two_way, knee)]
+        only = [
+            evolve(effect, form=f"{effect.form}, only pushing")
+            for effect in (linear, power, two_way, knee, stroke, digressive)
+        ]
         pushing = [form for effect in only for form in pushing_beside(model, joint, effect)]
         return [*plain, *pushing[:1], *(evolve(form, refined=True) for form in (*fine, *pushing[1:]))]
 
@@ -101,7 +104,11 @@ class JointFriction(Hypothesis):
 
     def _only_pushing(self, model: Model, joint: Joint, fastest: float) -> list[Proposal]:
         """Friction which together with the joint's own force only pushes."""
-        shapes = {"smooth": FORCE | smooth(fastest), "smooth and falling": falling(fastest) | smooth(fastest)}
+        shapes = {
+            "smooth": FORCE | smooth(fastest),
+            "smooth and falling": falling(fastest) | smooth(fastest),
+            "smooth with a tail": FORCE | smooth(fastest) | TAIL,
+        }
         effects = [
             Effect(self.physics, f"{form}, only pushing", "coulomb", shape | CLOSED, "friction_force")
             for form, shape in shapes.items()

@@ -109,6 +109,26 @@ def test_a_force_that_a_law_takes_in_is_also_proposed_beside_it(propose, physics
     assert form in forms and f"{form}, beside" not in forms
 
 
+@pytest.mark.parametrize(
+    ("physics", "form", "known", "law"),
+    [
+        ("joint_friction", "smooth, only pushing", "crush_plateau + folding", "crush_plateau + folding & coulomb"),
+        ("progressive_folding", "shaped", "crush_plateau & coulomb", "crush_plateau + folding & coulomb"),
+        ("viscous_damping", "linear, only pushing", "crush_plateau & coulomb", None),
+    ],
+)
+def test_folds_and_friction_that_only_push_together_stand_in_one_joint_in_whichever_order(propose, physics, form, known, law):
+    """And nothing more stands beside these."""
+    toy = toys.two_degrees()
+    first = evolve(toy.joint("first"), law=known)
+    laws = {
+        p.form: p.model.joint("first").law
+        for p in propose(physics, evolve(toy, joints=(first, toy.joint("second"))))
+        if p.location == {"joint": "first"}
+    }
+    assert laws.get(form) == law
+
+
 def test_joints_of_the_same_two_bodies_do_nothing_in_each_other(propose, runs):
     toy = toys.two_degrees()
     beside = evolve(toy, joints=(toy.joint("second"), evolve(toy.joint("second"), name="first")))

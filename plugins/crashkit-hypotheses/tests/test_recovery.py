@@ -217,6 +217,12 @@ def pressed_by_rubber(model):
     return with_joint(model, Joint("stop", ("wall", "front"), "hunt_crossley", rubber))
 
 
+def buffered(model):
+    """A stop with a dashpot beside the first joint."""
+    stop = fixed(stiffness=6e4, stop_deformation=0.4, damping=4e3)
+    return with_joint(model, Joint("stop", ("wall", "front"), "damped_stop", stop))
+
+
 def pressed_by_a_ball(model):
     """After Hertz."""
     stop = fixed(force=4e4, stop_deformation=0.4, exponent=1.5, loss=0.0, way=0.2)
@@ -373,6 +379,11 @@ def touching(model):
 def struck(model):
     contact = fixed(force=2e4, stop_deformation=0.9, exponent=1.5, loss=0.2, way=0.1)
     return with_joint(model, Joint("touch", ("wall", "rear"), "hunt_crossley", contact))
+
+
+def struck_with_a_dashpot(model):
+    contact = fixed(stiffness=8e4, stop_deformation=0.9, damping=4e3)
+    return with_joint(model, Joint("touch", ("wall", "rear"), "damped_stop", contact))
 
 
 def rubbing_contact(model):
@@ -535,6 +546,14 @@ def cushioned(model):
     return evolve(model, joints=tuple(law if joint.name == "second" else joint for joint in model.joints))
 
 
+def choked(model):
+    """The same whose orifices close with the stroke."""
+    second = model.joint("second")
+    numbers = fixed(damping=3e3, doubling_deformation=0.1)
+    law = evolve(second, law=f"{second.law} & viscous_growing", parameters={**second.parameters, **numbers})
+    return evolve(model, joints=tuple(law if joint.name == "second" else joint for joint in model.joints))
+
+
 CASES = {
     softened: (
         ("fracture", "compression", {"joint": "first"}),
@@ -586,6 +605,10 @@ CASES = {
     ),
     stopped: (("bottoming", "line, both ways", {"joint": "first"}), {"stiffness": 1.5e5, "stop_deformation": 0.5}),
     pressed_by_rubber: (("bottoming", "damped", {"joint": "first"}), {"exponent": 1.5, "stop_deformation": 0.4, "loss": 0.3}),
+    buffered: (
+        ("bottoming", "with a dashpot", {"joint": "first"}),
+        {"stiffness": 6e4, "stop_deformation": 0.4, "damping": 4e3},
+    ),
     pressed_by_a_ball: (("bottoming", "power, both ways", {"joint": "first"}), {"exponent": 1.5, "stop_deformation": 0.4}),
     rubbing: (("joint_friction", "sharp", {"joint": "first"}), {"friction_force": 4e3}),
     clamping: (("joint_friction", "in proportion", {"joint": "first"}), {"friction_share": 0.2}),
@@ -652,8 +675,16 @@ CASES = {
         ("missing_contact", "damped", {"bodies": ["wall", "rear"]}),
         {"loss": 0.2, "exponent": 1.5, "stop_deformation": 0.9},
     ),
+    struck_with_a_dashpot: (
+        ("missing_contact", "with a dashpot", {"bodies": ["wall", "rear"]}),
+        {"stiffness": 8e4, "stop_deformation": 0.9, "damping": 4e3},
+    ),
     absorbing: (("viscous_damping", "two-way", {"joint": "second"}), {"damping": 4e3, "rebound": 0.35}),
     cushioned: (("viscous_damping", "linear, only pushing", {"joint": "second"}), {"damping": 6e3}),
+    choked: (
+        ("viscous_damping", "growing with the stroke, only pushing", {"joint": "second"}),
+        {"damping": 3e3, "doubling_deformation": 0.1},
+    ),
     pulling: (("tension", "own line, to a limit", {"joint": "second"}), {"tension_force": 1.5e4, "tension": 0.6}),
     sliding: (("obstacle_motion", "sliding", {"body": "wall"}), {"mass": 2500.0, "friction_force": 2.5e4}),
     pushed_away: (("obstacle_motion", "free", {"body": "wall"}), {"mass": 4e3}),
@@ -692,6 +723,8 @@ LATE = {
     checked,
     absorbing,
     cushioned,
+    choked,
+    buffered,
     belted,
     strapped,
     hooked,

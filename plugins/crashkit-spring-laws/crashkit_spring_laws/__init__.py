@@ -31,6 +31,7 @@ from crashkit_spring_laws.rate_factors import (
 from crashkit_spring_laws.relaxation import Maxwell, QuasiLinear
 from crashkit_spring_laws.stops import (
     CrushStop,
+    DampedStop,
     ExponentialStop,
     Hook,
     HuntCrossley,
@@ -75,6 +76,7 @@ SPRING_LAWS = (
     ExponentialStop,
     CrushStop,
     HuntCrossley,
+    DampedStop,
     Pad,
     TensionSpring,
     YieldingStrap,
@@ -116,6 +118,7 @@ __all__ = [
     "CrushPlateau",
     "CrushStop",
     "Dahl",
+    "DampedStop",
     "DecayingPeak",
     "DippingPeak",
     "DrivenCurve",

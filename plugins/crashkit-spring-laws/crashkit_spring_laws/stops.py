@@ -3,7 +3,7 @@
 import math
 
 from crashkit.protocols import ParameterSpec, SpringLaw
-from crashkit_spring_laws.shared import CLEARANCE
+from crashkit_spring_laws.shared import CLEARANCE, ENGAGEMENT
 
 STOP_DEFORMATION = ParameterSpec("stop_deformation", "m", "deformation at which the stop is met", lower=0.0)
 STOP_EXPONENT = ParameterSpec("exponent", "1", "of the way beyond the stop (n)", lower=1.0, upper=4.0, default=1.5)
@@ -129,6 +129,29 @@ class HuntCrossley(SpringLaw):
         if pressed <= 0.0:
             return 0.0
         return force * (pressed / way) ** exponent * max(0.0, 1.0 + loss * ddot)
+
+
+class DampedStop(SpringLaw):
+    """A stop with a dashpot that only pushes (Kelvin and Voigt): F = max(0, k x + c ddot min(1, x / engagement)).
+
+    x = max(0, d - stop_deformation); it parts while it is still pressed, as the dashpot holds it back.
+    """
+
+    name = "damped_stop"
+    parameters = (
+        ParameterSpec("stiffness", "N m-1", "slope beyond the stop (k)", lower=0.0, null=0.0),
+        STOP_DEFORMATION,
+        ParameterSpec("damping", "N s m-1", "force for a unit of rate (c)", lower=0.0, default=0.0, null=0.0),
+        ENGAGEMENT,
+    )
+
+    @staticmethod
+    def force(
+        d: float, ddot: float, d_max: float, stiffness: float, stop_deformation: float, damping: float, engagement: float
+    ) -> float:
+        """The force, N, compression positive."""
+        x = max(0.0, d - stop_deformation)
+        return max(0.0, stiffness * x + damping * ddot * min(1.0, x / engagement))
 
 
 class CrushStop(SpringLaw):

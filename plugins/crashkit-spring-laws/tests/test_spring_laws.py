@@ -19,6 +19,7 @@ from crashkit_spring_laws import (
     CrushPlateau,
     CrushStop,
     Dahl,
+    DampedStop,
     DecayingPeak,
     DippingPeak,
     DrivenCurve,
@@ -113,6 +114,7 @@ EXAMPLES = [
     (CrushStop, {"stiffness": 1e6, "stop_deformation": 0.2, "crush_length": 0.1, "release": 3.0}),
     (ExponentialStop, {"force": 1e4, "stop_deformation": 0.3, "growth_way": 0.1}),
     (HuntCrossley, {"force": 4e4, "stop_deformation": 0.2, "exponent": 1.5, "loss": 0.3}),
+    (DampedStop, {"stiffness": 1e6, "stop_deformation": 0.2, "damping": 2e4}),
     (QuadraticStop, {"coefficient": 1e6, "stop_deformation": 0.3}),
     (PowerStop, {"force": 4e4, "stop_deformation": 0.2, "exponent": 2.5}),
     (LockingStop, {"stiffness": 1e6, "stop_deformation": 0.3, "locking_way": 0.2}),
@@ -505,6 +507,13 @@ def test_a_tie_may_stiffen_either_way():
 def test_a_damper_may_be_weaker_on_the_way_back():
     valves = {"damping": 1e3, "exponent": 1.0, "tension": 1.0, "rebound": 0.4}
     assert [value(ViscousPower, -0.1, ddot=rate, **valves) for rate in (-2.0, 2.0)] == pytest.approx([-800.0, 2e3])
+
+
+def test_a_stop_with_a_dashpot_sets_in_with_the_rate_and_parts_while_it_is_pressed():
+    stop = {"stiffness": 1e5, "stop_deformation": 0.2, "damping": 1e3}
+    states = [(0.19, 2.0), (0.2005, 2.0), (0.24, 2.0), (0.24, 0.0), (0.24, -2.0), (0.24, -5.0)]
+    forces = [value(DampedStop, d, ddot=rate, **stop) for d, rate in states]
+    assert forces == pytest.approx([0.0, 50.0 + 1e3, 6e3, 4e3, 2e3, 0.0])
 
 
 def test_a_contact_takes_up_energy_as_it_is_struck():

@@ -347,6 +347,24 @@ def claimed(physics, joint, normalised, form=""):
     return Rival(Proposal(physics, form, {"joint": joint}, None, ("a",), {}), search, drop, 0.5 * drop)
 
 
+@pytest.mark.parametrize(("physics", "asked"), [("fracture", [("fracture", 1.1, 1)]), ("unknown", [])])
+def test_a_second_finding_may_outrun_the_recordings_as_well(monkeypatch, inquiry, physics, asked):
+    """Judged by the fit with both, each in its best form; an estimate is not asked."""
+    told = []
+    monkeypatch.setattr(questioned, "settled", lambda inquiry, look, *_: look)
+    monkeypatch.setattr(questioned, "in_best_forms", lambda _, findings, search: (findings, claimed("", "", 1.1).search))
+    monkeypatch.setattr(
+        questioned,
+        "check_pace",
+        lambda _, found, beside: told.append((found.proposal.physics, found.search.normalised, len(beside))),
+    )
+    second = Look((claimed(physics, "second", 1.7),), (1.0,), 0.0, None)
+    first = Look((claimed("tension", "first", 3.0),), (1.0,), 0.0, None)
+    more, search = questioned.with_one_more(inquiry(None), [first], second, second.leader)
+    assert (more, search.normalised) == ([first, second], 1.1)
+    assert told == asked
+
+
 @pytest.fixture
 def completed(monkeypatch, inquiry):
     """Whether a claim of a look is told beside tension in the first joint, if the form that suits it leaves `then`."""

@@ -93,28 +93,32 @@ def test_all_is_asked_again_of_finer_recordings_and_the_claim_stands_where_time_
 ):
     given = misfit(model, run=recorded(model))
     base = diagnosis.begin(workshop.identifier, given)
-    found = Rival(Proposal("joint_friction", "", {"joint": "first"}, model, (), {}), base, 1000.0, 500.0)
+    first, found = (
+        Rival(Proposal(physics, "", {"joint": "first"}, model, (), {}), base, 1000.0, 500.0)
+        for physics in ("clearance", "joint_friction")
+    )
+    beside = [Look((first,), (1.0,), 0.0, base.fitted())]
     asked = []
 
     def discover(inquiry, looks):
         asked.append((inquiry.unthinned, [rival for look in looks for rival in look.rivals]))
         if len(asked) == 1:
-            raise OutrunError(found)
+            raise OutrunError(found, beside)
         if not is_answered:
             raise OutOfTimeError
         return Discovery(base.fitted(), base.fitted(), base, (Look((evolve(found, drop=1.0),), (1.0,), 0.0, base.fitted()),))
 
     monkeypatch.setattr(diagnosis, "discover", discover)
     told = diagnosis._discovered_at_pace(Inquiry(workshop, given, base, None, {"run": recorded(model)}), [])
-    assert asked == [({"run": asked[0][0]["run"]}, []), ({}, [found])]
-    assert told.findings[0].leader.drop == (1.0 if is_answered else 1000.0)
+    assert asked == [({"run": asked[0][0]["run"]}, []), ({}, [first, found])]
+    assert [look.leader.drop for look in told.findings] == ([1.0] if is_answered else [1000.0, 1000.0])
 
 
 @pytest.mark.parametrize(("location", "is_asked"), [({"sensor": "s", "instrument": "a"}, True), ({"joint": "front"}, False)])
 def test_readings_at_the_noise_may_outrun_what_was_thinned_too(monkeypatch, finer, location, is_asked):
     """What rings is hardly seen in means: what is left of it looks like more, even where nothing seems to be left."""
     asked = []
-    monkeypatch.setattr(pace, "check_rate", lambda inquiry, found: asked.append(found))
+    monkeypatch.setattr(pace, "check_rate", lambda inquiry, found, beside: asked.append(found))
     told = claim(1.01)
     check_pace(finer(1.0), evolve(told, proposal=evolve(told.proposal, location=location)))
     assert bool(asked) is is_asked
