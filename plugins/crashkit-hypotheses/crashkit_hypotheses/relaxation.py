@@ -9,7 +9,7 @@ from attrs import evolve
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit.registry import load
-from crashkit_hypotheses.build import Effect, changed, grid, multiplied, parallel
+from crashkit_hypotheses.build import Effect, changed, grid, multiplied, parallel, pushing_beside
 from crashkit_hypotheses.sizes import compressed, duration, largest_deformation, largest_force
 
 TIME_SHARES = (0.05, 0.3)
@@ -46,7 +46,7 @@ class Relaxation(Hypothesis):
         return [*maxwell, multiplied(model, joint, fading), *self._quasi_linear(model, joint, time, times)]
 
     def _maxwell(self, model: Model, joint: Joint, time: Parameter, starts: list[dict[str, float]]) -> list[Proposal]:
-        """One element, and two; which may pull while the joint is compressed, or not."""
+        """One element, and two; which may pull while the joint is compressed, or not, or as far as the joint still pushes."""
         parameters = {
             "relaxing_stiffness": Parameter(0.0, 0.0, 1e9),
             "relaxation_time": time,
@@ -59,7 +59,8 @@ class Relaxation(Hypothesis):
             element = Effect(self.physics, f"maxwell{holding}", "maxwell", own, "relaxing_stiffness", starts)
             branches = evolve(element, form=f"two branches{holding}")
             forms += [parallel(model, joint, element), _two_branches(model, joint, branches)]
-        return forms
+        pushing = pushing_beside(model, joint, evolve(element, form="maxwell, only pushing"))
+        return [*forms, *(evolve(form, refined=True) for form in pushing)]
 
     def _quasi_linear(self, model: Model, joint: Joint, time: Parameter, times: Sequence[float]) -> list[Proposal]:
         """Where the joint's law can pass through a memory."""

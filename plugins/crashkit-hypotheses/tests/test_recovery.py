@@ -539,19 +539,24 @@ def with_error(model, sensor, instrument="accelerometer", **errors):
     return model
 
 
-def cushioned(model):
-    """The second joint holds a dashpot, and only pushes."""
+def pushing(model, law, **values):
+    """Another law beside that of the second joint, which only pushes with it."""
     second = model.joint("second")
-    law = evolve(second, law=f"{second.law} & viscous", parameters={**second.parameters, **fixed(damping=6e3)})
-    return evolve(model, joints=tuple(law if joint.name == "second" else joint for joint in model.joints))
+    both = evolve(second, law=f"{second.law} & {law}", parameters={**second.parameters, **fixed(**values)})
+    return evolve(model, joints=tuple(both if joint.name == "second" else joint for joint in model.joints))
+
+
+def cushioned(model):
+    return pushing(model, "viscous", damping=6e3)
 
 
 def choked(model):
-    """The same whose orifices close with the stroke."""
-    second = model.joint("second")
-    numbers = fixed(damping=3e3, doubling_deformation=0.1)
-    law = evolve(second, law=f"{second.law} & viscous_growing", parameters={**second.parameters, **numbers})
-    return evolve(model, joints=tuple(law if joint.name == "second" else joint for joint in model.joints))
+    """The orifices close with the stroke."""
+    return pushing(model, "viscous_growing", damping=3e3, doubling_deformation=0.1)
+
+
+def cushioned_and_relaxing(model):
+    return pushing(model, "maxwell", relaxing_stiffness=1.5e5, relaxation_time=0.05, holds=1.0)
 
 
 CASES = {
@@ -681,6 +686,10 @@ CASES = {
     ),
     absorbing: (("viscous_damping", "two-way", {"joint": "second"}), {"damping": 4e3, "rebound": 0.35}),
     cushioned: (("viscous_damping", "linear, only pushing", {"joint": "second"}), {"damping": 6e3}),
+    cushioned_and_relaxing: (
+        ("relaxation", "maxwell, only pushing", {"joint": "second"}),
+        {"relaxing_stiffness": 1.5e5, "relaxation_time": 0.05},
+    ),
     choked: (
         ("viscous_damping", "growing with the stroke, only pushing", {"joint": "second"}),
         {"damping": 3e3, "doubling_deformation": 0.1},
@@ -724,6 +733,7 @@ LATE = {
     absorbing,
     cushioned,
     choked,
+    cushioned_and_relaxing,
     buffered,
     belted,
     strapped,
