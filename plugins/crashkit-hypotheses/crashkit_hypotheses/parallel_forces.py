@@ -21,6 +21,8 @@ SPRUNG_BACK = 0.5
 """Share of its deformation from which on a joint that springs back may part, with friction or another load."""
 ALWAYS, CLOSED = {"always": Parameter(1.0, fixed=True)}, {"always": Parameter(0.0, fixed=True)}
 """Friction that also acts where the joint is open, and friction that does not."""
+PUSHING = ("smooth", "smooth and falling", "smooth with a tail", "bristles")
+"""Forms of friction that may only push with the joint's own force: smooth friction is sharp where its slip is slow."""
 LEAST_LIMIT = 0.2
 """Of the fastest rate: a damper that gives half of its limit at a lower one is friction."""
 ONE_WAY = {"exponent": Parameter(1.0, fixed=True), "rebound": Parameter(0.0, fixed=True)}
@@ -89,7 +91,7 @@ class JointFriction(Hypothesis):
         times = {"": ALWAYS, ", while compressed": CLOSED} if _may_part(joint, motion) else {"": ALWAYS}
         laws = _friction_laws(largest_deformation(motion, joint.name), fastest)
         plain = [*self._beside(model, joint, laws, times), multiplied(model, joint, self._in_proportion())]
-        fine = [*self._only_pushing(model, joint, fastest), *self._finer_in_proportion(model, joint, fastest)]
+        fine = [*self._only_pushing(model, joint, laws), *self._finer_in_proportion(model, joint, fastest)]
         forms = [*plain, *(evolve(form, refined=True) for form in fine)]
         return [evolve(form, odds=1.0 / len(times)) for form in forms]
 
@@ -102,16 +104,12 @@ class JointFriction(Hypothesis):
                 forms.append(evolve(parallel(model, joint, effect), refined=form in REFINED))
         return forms
 
-    def _only_pushing(self, model: Model, joint: Joint, fastest: float) -> list[Proposal]:
+    def _only_pushing(self, model: Model, joint: Joint, laws: FrictionLaws) -> list[Proposal]:
         """Friction which together with the joint's own force only pushes."""
-        shapes = {
-            "smooth": FORCE | smooth(fastest),
-            "smooth and falling": falling(fastest) | smooth(fastest),
-            "smooth with a tail": FORCE | smooth(fastest) | TAIL,
-        }
         effects = [
-            Effect(self.physics, f"{form}, only pushing", "coulomb", shape | CLOSED, "friction_force")
-            for form, shape in shapes.items()
+            Effect(self.physics, f"{form}, only pushing", law, numbers | CLOSED, "friction_force")
+            for form, (law, numbers) in laws.items()
+            if form in PUSHING
         ]
         return [form for effect in effects for form in pushing_beside(model, joint, effect)]
 

@@ -555,6 +555,10 @@ def choked(model):
     return pushing(model, "viscous_growing", damping=3e3, doubling_deformation=0.1)
 
 
+def bristling_and_pushing(model):
+    return pushing(model, "dahl", friction_force=6e3, bristle_length=0.03, always=0.0)
+
+
 def cushioned_and_relaxing(model):
     return pushing(model, "maxwell", relaxing_stiffness=1.5e5, relaxation_time=0.05, holds=1.0)
 
@@ -686,6 +690,10 @@ CASES = {
     ),
     absorbing: (("viscous_damping", "two-way", {"joint": "second"}), {"damping": 4e3, "rebound": 0.35}),
     cushioned: (("viscous_damping", "linear, only pushing", {"joint": "second"}), {"damping": 6e3}),
+    bristling_and_pushing: (
+        ("joint_friction", "bristles, only pushing", {"joint": "second"}),
+        {"friction_force": 6e3, "bristle_length": 0.03},
+    ),
     cushioned_and_relaxing: (
         ("relaxation", "maxwell, only pushing", {"joint": "second"}),
         {"relaxing_stiffness": 1.5e5, "relaxation_time": 0.05},
@@ -733,6 +741,7 @@ LATE = {
     absorbing,
     cushioned,
     choked,
+    bristling_and_pushing,
     cushioned_and_relaxing,
     buffered,
     belted,
