@@ -6,15 +6,14 @@ from collections.abc import Mapping, Sequence
 import xarray as xr
 from attrs import evolve
 
-from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED, Rival
+from crashkit.diagnose.fitting.evidence import FLOOR, Rival
 from crashkit.diagnose.fitting.leftover import leaves_something
 from crashkit.diagnose.fitting.rebuild import rebuild
 from crashkit.diagnose.fitting.search import Search, begin
 from crashkit.diagnose.fitting.sharpen import ROUGHLY, weighed_alike
 from crashkit.diagnose.locate.consistency import by_run, check_instruments
 from crashkit.diagnose.name.follow import Discovery
-from crashkit.diagnose.name.look import FORM_ERRORS, Look
-from crashkit.diagnose.name.rivals import standing
+from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.result import UNKNOWN, Alternative, Diagnosis, Finding, Fit, place_of
 from crashkit.diagnose.show.action import action_of
 from crashkit.diagnose.show.expected_error import expected_error
@@ -117,17 +116,10 @@ def _findings(
             max(float(group.times[-1]) for group in discovery.final.groups),
         )
         told.append((_with_experiment(workshop, discovery, finding, look), action))
-    if _leaves_more_than_forms(discovery) and UNKNOWN in workshop.hypotheses:
+    if discovery.search.normalised > FLOOR and UNKNOWN in workshop.hypotheses:
         told = _imitations_told(told, workshop.hypotheses[UNKNOWN].sentence)
     trees = {f"{number}/{run}": one for number, (_, action) in enumerate(told) for run, one in action.items()}
     return tuple(finding for finding, _ in told), xr.DataTree.from_dict(trees)
-
-
-def _leaves_more_than_forms(discovery: Discovery) -> bool:
-    """Whether the findings leave more than forms that are a little off: then several at one place imitate something else."""
-    search, (base, _) = discovery.search, standing(discovery.base)
-    is_form = search.normalised < UNEXPLAINED and search.excess < FORM_ERRORS[0] * (base**2 - 1.0)
-    return search.normalised > FLOOR and not is_form
 
 
 def _imitations_told(

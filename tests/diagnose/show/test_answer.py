@@ -1,7 +1,5 @@
 """What is told of a finding beside others."""
 
-from types import SimpleNamespace
-
 import pytest
 from attrs import evolve
 
@@ -9,8 +7,7 @@ from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.result import Finding
-from crashkit.diagnose.show import answer
-from crashkit.diagnose.show.answer import _alternatives, _beside, _leaves_more_than_forms, _with_experiment
+from crashkit.diagnose.show.answer import _alternatives, _beside, _with_experiment
 
 
 def test_a_rival_is_told_from_what_was_found_beside_the_other_findings_as_they_are(workshop, model, misfit, recorded, claim):
@@ -36,18 +33,3 @@ def test_the_most_probable_rival_is_told_first_and_tested_against(workshop, mode
     untested = Finding("rate_dependence", "linear", "", 0.9, {"joint": "first"}, (), (0.0, 0.1), "both", {})
     told = _with_experiment(workshop, Discovery.of(base, winner.search, (look,)), untested, look)
     assert "ground_friction" in told.experiment
-
-
-@pytest.mark.parametrize(
-    ("base", "left", "is_more"),
-    [
-        (4.7, 1.04, False),  # nothing above the noise
-        (4.7, 1.06, False),  # less than 1 % of what there was
-        (3.0, 1.06, True),  # more than that
-        (20.0, 1.2, True),  # less, but plainly more than the noise
-    ],
-)
-def test_what_forms_that_are_off_leave_is_not_said_to_be_another_force(monkeypatch, base, left, is_more):
-    monkeypatch.setattr(answer, "standing", lambda misfit: (misfit, False))
-    search = SimpleNamespace(normalised=left, excess=left**2 - 1.0)
-    assert _leaves_more_than_forms(SimpleNamespace(base=base, search=search)) is is_more
