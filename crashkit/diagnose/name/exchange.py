@@ -1,8 +1,9 @@
-"""A finding that stands in for another is exchanged for what stands out beside it."""
+"""A finding that stands in for another is exchanged: for what stands out beside it, or for what explained nearly as much."""
 
 from collections.abc import Iterator, Sequence
 
-from crashkit.diagnose.fitting.evidence import explains, is_unknown, ranked_by_evidence, rival_of
+from crashkit.campaign import spread
+from crashkit.diagnose.fitting.evidence import Rival, explains, is_unknown, ranked_by_evidence, rival_of
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.forms import in_all_forms
 from crashkit.diagnose.name.inquiry import Inquiry
@@ -12,6 +13,8 @@ MOST = 2
 """How many named causes of the last look, of those more evident than nothing, are tried in the place of each finding."""
 GAIN = 10.0
 """Log evidence that the exchange must gain."""
+NEARLY = 0.8
+"""Of what a finding explained alone: a known cause that explained as much may explain more beside the next one."""
 
 
 def exchanged(inquiry: Inquiry, findings: Sequence[Look], search: Search, last: Look) -> tuple[list[Look], Search] | None:
@@ -38,3 +41,33 @@ def _exchanges(inquiry: Inquiry, findings: Sequence[Look], search: Search, last:
             old, new = rival_of(look.leader.proposal, search, without), ranked_by_evidence(forms, without)[:1]
             if new and new[0].evidence > old.evidence + GAIN:
                 yield [*rest, compared(look, [*new, old])], new[0].search
+
+
+def in_its_stead(inquiry: Inquiry, findings: Sequence[Look], search: Search) -> tuple[list[Look], Search]:
+    """The findings, one of those before the last exchanged for what explained nearly as much alone, where that is more evident
+    beside the last.
+
+    Of two causes that explain about as much as long as a third is not known, the wrong one may well be ahead.
+
+    Arguments:
+        search: the fit with them.
+    """
+    last = findings[-1].leader
+    if explains(search) or is_unknown(last):
+        return list(findings), search
+    for place, look in enumerate(findings[:-1]):
+        others = [one.leader for one in findings if one is not look]
+        without = search.deviance + look.leader.drop
+        old = rival_of(look.leader.proposal, search, without)
+        ends = spread(lambda rival, others=others: inquiry.fit_with([rival, *others], rival.search), _runners_up(look))
+        fitted = [rival_of(one.proposal, end, without) for one, end in zip(_runners_up(look), ends, strict=True) if end]
+        best = max(fitted, key=lambda rival: rival.evidence, default=old)
+        if best.evidence > old.evidence + GAIN:
+            return [*findings[:place], compared(look, [best, old]), *findings[place + 1 :]], best.search
+    return list(findings), search
+
+
+def _runners_up(look: Look) -> list[Rival]:
+    """What explained nearly as much as the leader of a look."""
+    first, *others = look.rivals
+    return [rival for rival in others if not is_unknown(rival) and rival.drop > NEARLY * first.drop][:MOST]

@@ -11,7 +11,7 @@ from crashkit.diagnose.fitting.rebuild import alone_again
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.fitting.thresholds import wakened
 from crashkit.diagnose.locate.free_force import Pointer
-from crashkit.diagnose.name.exchange import exchanged
+from crashkit.diagnose.name.exchange import exchanged, in_its_stead
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import FORM_ERRORS, READINGS, Look, compared, look_again
@@ -167,6 +167,7 @@ def with_one_more(inquiry: Inquiry, findings: Sequence[Look], look: Look, winner
     found = [one.leader for one in findings]
     more = [*findings, in_time(look, settled, inquiry, look, winner, found)]
     search = more[-1].leader.search
+    more, search = in_time((more, search), in_its_stead, inquiry, more, search)
     more, search = in_time((more, search), in_best_forms, inquiry, more, search)
     if not is_estimated(more):
         check_pace(inquiry, evolve(more[-1].leader, search=search), more[:-1])

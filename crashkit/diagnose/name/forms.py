@@ -10,7 +10,7 @@ from crashkit.campaign import spread
 from crashkit.diagnose.claims import Start, first_of_each, identity, propose_all
 from crashkit.diagnose.fitting.back_to_given import begun_from_given
 from crashkit.diagnose.fitting.candidates import Candidate, advance_candidates, begin_candidates, weigh_candidates
-from crashkit.diagnose.fitting.evidence import Rival, explains, is_unknown, ranked_by_evidence, rival_of
+from crashkit.diagnose.fitting.evidence import Rival, explains, is_at_noise, is_unknown, ranked_by_evidence, rival_of
 from crashkit.diagnose.fitting.search import Search, begin
 from crashkit.diagnose.name.force_matching import most_alike
 from crashkit.diagnose.name.inquiry import Inquiry
@@ -46,7 +46,7 @@ def in_best_forms(
             continue
         others = [other.leader for other in looks if other is not look]
         best, forms = _best_form(inquiry, look.leader, others, search)
-        if best.search.excess < MOVED * search.excess and not explains(best.search):
+        if best.search.excess < MOVED * search.excess and not is_at_noise(best.search):
             best, forms = _best_form(inquiry, best, others, best.search)
         if best.evidence > look.leader.evidence:
             seen = _as_seen(inquiry.workshop, look, best)

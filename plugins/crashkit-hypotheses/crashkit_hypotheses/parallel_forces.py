@@ -13,10 +13,11 @@ from crashkit_hypotheses.friction import REFINED, SLOWEST, TAIL, falling, smooth
 from crashkit_hypotheses.sizes import compressed, largest_deformation, largest_extension, largest_rate, largest_recoil
 
 Parameters = dict[str, Parameter]
-FrictionLaws = Mapping[str, tuple[str, Parameters]]
+Starts = Sequence[Mapping[str, float]]
+FrictionLaws = Mapping[str, tuple[str, Parameters, Starts]]
 
-BRISTLE = 0.05
-"""Of the deformation reached: length of a bristle to start from."""
+BRISTLES = (0.05, 0.005)
+"""Of the deformation reached: lengths of a bristle to start from; from long ones hardly a search comes to short ones."""
 SPRUNG_BACK = 0.5
 """Share of its deformation from which on a joint that springs back may part, with friction or another load."""
 ALWAYS, CLOSED = {"always": Parameter(1.0, fixed=True)}, {"always": Parameter(0.0, fixed=True)}
@@ -98,17 +99,17 @@ class JointFriction(Hypothesis):
     def _beside(self, model: Model, joint: Joint, laws: FrictionLaws, times: Mapping[str, Parameters]) -> list[Proposal]:
         """Friction that nothing of the joint's own force presses."""
         forms = []
-        for form, (law, numbers) in laws.items():
+        for form, (law, numbers, starts) in laws.items():
             for when, during in times.items():
-                effect = Effect(self.physics, f"{form}{when}", law, {**numbers, **during}, "friction_force")
+                effect = Effect(self.physics, f"{form}{when}", law, {**numbers, **during}, "friction_force", starts)
                 forms.append(evolve(parallel(model, joint, effect), refined=form in REFINED))
         return forms
 
     def _only_pushing(self, model: Model, joint: Joint, laws: FrictionLaws) -> list[Proposal]:
         """Friction which together with the joint's own force only pushes."""
         effects = [
-            Effect(self.physics, f"{form}, only pushing", law, numbers | CLOSED, "friction_force")
-            for form, (law, numbers) in laws.items()
+            Effect(self.physics, f"{form}, only pushing", law, numbers | CLOSED, "friction_force", starts)
+            for form, (law, numbers, starts) in laws.items()
             if form in PUSHING
         ]
         return [form for effect in effects for form in pushing_beside(model, joint, effect)]
@@ -133,16 +134,16 @@ class JointFriction(Hypothesis):
 
 
 def _friction_laws(reached: float, fastest: float) -> FrictionLaws:
-    """The law of each form, and its parameters, in a joint that is deformed so far, m, and so fast, m/s."""
-    less, established = falling(fastest), smooth(fastest)
-    length = Parameter(BRISTLE * reached, 1e-3 * BRISTLE * reached, reached)
+    """The law of each form, its parameters and starts, in a joint that is deformed so far, m, and so fast, m/s."""
+    less, established, lengths = falling(fastest), smooth(fastest), [share * reached for share in BRISTLES]
+    bristles = FORCE | {"bristle_length": Parameter(lengths[0], 1e-2 * lengths[1], reached)}
     return {
-        "sharp": ("coulomb", FORCE | {"slip_rate": Parameter(0.05, fixed=True)}),
-        "smooth": ("coulomb", FORCE | established),
-        "falling": ("coulomb", less),
-        "smooth and falling": ("coulomb", less | established),
-        "smooth with a tail": ("coulomb", FORCE | established | TAIL),
-        "bristles": ("dahl", FORCE | {"bristle_length": length}),
+        "sharp": ("coulomb", FORCE | {"slip_rate": Parameter(0.05, fixed=True)}, ({},)),
+        "smooth": ("coulomb", FORCE | established, ({},)),
+        "falling": ("coulomb", less, ({},)),
+        "smooth and falling": ("coulomb", less | established, ({},)),
+        "smooth with a tail": ("coulomb", FORCE | established | TAIL, ({},)),
+        "bristles": ("dahl", bristles, grid(bristle_length=lengths)),
     }
 
 
