@@ -52,19 +52,25 @@ def in_its_stead(inquiry: Inquiry, findings: Sequence[Look], search: Search) -> 
     Arguments:
         search: the fit with them.
     """
-    last = findings[-1].leader
-    if explains(search) or is_unknown(last):
+    if is_unknown(findings[-1].leader):
         return list(findings), search
     for place, look in enumerate(findings[:-1]):
-        others = [one.leader for one in findings if one is not look]
+        rest = [one.leader for one in findings if one is not look]
         without = search.deviance + look.leader.drop
         old = rival_of(look.leader.proposal, search, without)
-        ends = spread(lambda rival, others=others: inquiry.fit_with([rival, *others], rival.search), _runners_up(look))
-        fitted = [rival_of(one.proposal, end, without) for one, end in zip(_runners_up(look), ends, strict=True) if end]
-        best = max(fitted, key=lambda rival: rival.evidence, default=old)
+        best = max([old, *_fitted_beside(inquiry, _runners_up(look), rest, search, without)], key=lambda one: one.evidence)
         if best.evidence > old.evidence + GAIN:
             return [*findings[:place], compared(look, [best, old]), *findings[place + 1 :]], best.search
     return list(findings), search
+
+
+def _fitted_beside(
+    inquiry: Inquiry, rivals: Sequence[Rival], rest: Sequence[Rival], search: Search, without: float
+) -> list[Rival]:
+    """Each of these claims beside others, from where it has driven the model's numbers alone, and from where they are now."""
+    starts = [(rival, last) for rival in rivals for last in (rival.search, search)]
+    ends = spread(lambda start: inquiry.fit_with([start[0], *rest], start[1]), starts)
+    return [rival_of(rival.proposal, end, without) for (rival, _), end in zip(starts, ends, strict=True) if end is not None]
 
 
 def _runners_up(look: Look) -> list[Rival]:

@@ -13,6 +13,7 @@ from crashkit.diagnose.fitting.evidence import (
     best_forms,
     by_evidence,
     explains,
+    is_strained,
     is_unknown,
     ranked_by_evidence,
     rival_of,
@@ -137,6 +138,6 @@ def _contested(inquiry: Inquiry, look: Look, found: Sequence[Rival]) -> Look:
 
 def _is_close(rival: Rival, winner: Rival) -> bool:
     """Whether another form of it may leave as little as the winner, or less."""
-    if winner.search.normalised <= FLOOR:
+    if winner.search.normalised <= FLOOR and not is_strained(winner.search):
         return rival.search.normalised < CLOSE
     return rival.drop > NEARLY * winner.drop
