@@ -1,11 +1,12 @@
 """A stand-in gives way to what it stood in for."""
 
 import pytest
+from attrs import evolve
 
 from crashkit.diagnose.claims import propose_all
 from crashkit.diagnose.fitting.evidence import rival_of
 from crashkit.diagnose.fitting.search import begin
-from crashkit.diagnose.name.exchange import exchanged
+from crashkit.diagnose.name.exchange import exchanged, in_its_stead
 from crashkit.diagnose.name.look import Look
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_joint
@@ -51,3 +52,21 @@ def test_what_explains_no_more_takes_no_place(inquiry, base, look):
     dashpot = look(base, "viscous_damping", "linear")
     search = dashpot.leader.search
     assert exchanged(inquiry(base), [dashpot], search, look(search, "joint_friction", "sharp")) is None
+
+
+def test_what_explained_nearly_as_much_alone_takes_the_place_of_the_first_beside_the_second(inquiry, base, look):
+    """Not what explained far less, and not beside an estimate."""
+    friction, dashpot = look(base, "joint_friction", "sharp"), look(base, "viscous_damping", "linear")
+    second = look(friction.leader.search, "ground_friction", "constant")
+    search = second.leader.search
+    first = evolve(friction, rivals=(friction.leader, dashpot.leader))
+    (told, kept), better = in_its_stead(inquiry(base), [first, second], search)
+    assert [rival.proposal.physics for rival in told.rivals] == ["viscous_damping", "joint_friction"]
+    assert kept is second
+    assert better.deviance < search.deviance - 20.0
+    weak = evolve(dashpot.leader, drop=0.7 * friction.leader.drop)
+    untouched = [evolve(first, rivals=(friction.leader, weak)), second]
+    assert in_its_stead(inquiry(base), untouched, search) == (untouched, search)
+    table = evolve(second.leader, proposal=evolve(second.leader.proposal, physics="unknown"))
+    estimated = [first, second.led_by(table)]
+    assert in_its_stead(inquiry(base), estimated, search) == (estimated, search)

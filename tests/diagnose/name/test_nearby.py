@@ -90,7 +90,7 @@ def second(monkeypatch):
         rival = SimpleNamespace(proposal=SimpleNamespace(physics=physics), search=leaving(normalised))
         return SimpleNamespace(winner=rival, rivals=(rival,))
 
-    def asks(left, estimated, named, base=9.0, together=None):
+    def asks(left, estimated, named, base=9.0, together=None, alone=()):
         def look_again(*_, quick):
             asked.append("quick" if quick else "wide")
             return look(estimated, "unknown")
@@ -100,7 +100,7 @@ def second(monkeypatch):
         monkeypatch.setattr(nearby, "_in_forms_together", lambda *_: asked.append("in forms") or together)
         monkeypatch.setattr(nearby, "_two_of_all", lambda *_: asked.append("of all"))
         monkeypatch.setattr(nearby, "followed", lambda *_: asked.append("followed") or (None, None))
-        inquiry = SimpleNamespace(base=leaving(base))
+        inquiry = SimpleNamespace(base=leaving(base), from_given=SimpleNamespace(singles=alone))
         search = SimpleNamespace(fitted=lambda: None, **vars(leaving(left)))
         _with_a_second(inquiry, None, SimpleNamespace(leader=None), search)
         return asked
@@ -115,9 +115,10 @@ def test_where_the_first_leaves_but_a_trace_and_none_convinces_beside_it_nothing
     monkeypatch.setattr(nearby.Discovery, "of", lambda base, search, findings, last: (findings, last))
     monkeypatch.setattr(nearby, "_two_of_all", lambda *_: "of all")
     first, search = SimpleNamespace(leader=None), SimpleNamespace(fitted=lambda: None, **vars(leaving(2.0)))
-    told = _with_a_second(SimpleNamespace(base=leaving(40.0)), None, first, search)
+    from_given = SimpleNamespace(singles=[])
+    told = _with_a_second(SimpleNamespace(base=leaving(40.0), from_given=from_given), None, first, search)
     assert told.found == ((first,), look)
-    asked_on = _with_a_second(SimpleNamespace(base=leaving(20.0)), None, first, search)
+    asked_on = _with_a_second(SimpleNamespace(base=leaving(20.0), from_given=from_given), None, first, search)
     assert asked_on.found == "of all"
 
 
@@ -131,6 +132,23 @@ def test_what_completes_it_in_another_form_is_asked_before_couples_of_all_causes
 
 def test_couples_of_all_causes_are_asked_where_nothing_completes_it(second):
     assert second(3.0, 1.4, named=1.35) == ["quick", "named", "in forms", "of all"]
+
+
+@pytest.mark.parametrize(
+    ("physics", "normalised", "departure", "then"),
+    [
+        ("missing_contact", 1.04, 5.0, []),
+        ("missing_contact", 1.04, 10.0, ["in forms", "of all"]),
+        ("missing_contact", 1.1, 5.0, ["in forms", "of all"]),
+        ("unknown", 1.04, 5.0, ["in forms", "of all"]),
+    ],
+)
+def test_no_two_are_asked_where_a_known_cause_explains_all_from_the_given_numbers(second, physics, normalised, departure, then):
+    """And strains none of these."""
+    search = SimpleNamespace(**vars(leaving(normalised)), point=None)
+    search.misfit.departure = lambda point: departure
+    alone = [(SimpleNamespace(physics=physics), search)]
+    assert second(3.0, 1.4, named=1.35, alone=alone) == ["quick", "named", *then]
 
 
 def test_an_estimate_that_leaves_much_is_given_no_name_before_couples_are_asked(second):
