@@ -143,7 +143,7 @@ def test_couples_of_all_causes_are_asked_where_nothing_completes_it(second):
         ("unknown", 1.04, 5.0, ["in forms", "of all"]),
     ],
 )
-def test_no_two_are_asked_where_a_known_cause_explains_all_from_the_given_numbers(second, physics, normalised, departure, then):
+def test_no_two_are_asked_where_a_known_cause_explains_all_as_given(second, physics, normalised, departure, then):
     """And strains none of these."""
     search = SimpleNamespace(**vars(leaving(normalised)), point=None)
     search.misfit.departure = lambda point: departure
