@@ -1,6 +1,6 @@
 """Every finding in its best form: one that was found first had to make do for those that came after it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -19,6 +19,8 @@ from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
 
+End = tuple[Mapping[str, float], float]
+"""Where numbers go, and what they leave there."""
 SHARES = (1 / 6, 1 / 3, 2 / 3, 1.0)
 """Of the time recorded, looked at one after the other while only a form's own numbers move."""
 ALONE = 10
@@ -27,6 +29,8 @@ SAME = 1e-3
 """Of what is left, by which two ends of one optimum may differ."""
 MOVED = 0.5
 """Of what is left above the noise: a form that leaves less has moved all numbers, and others may fit from there."""
+FURTHER = 8
+"""Forms that are then searched for further, where their own numbers have not met: those that leave least."""
 HEATS = ((None, 4, 8), (8, 2, 40))
 """How many forms enter each, from how many starts, and how many steps each gets."""
 
@@ -91,12 +95,35 @@ def in_all_forms(inquiry: Inquiry, rival: Rival, others: Sequence[Rival], search
         return []
     equipped = inquiry.workshop.equipped([form.model for form in forms])
     starts = [(form, {**form.null, **start}) for form in forms for start in _starts(form, rival.proposal, found)]
-    doing = f"fitting all forms of {rival.proposal.physics}"
-    ahead = spread(
-        partial(_alone, equipped, origin, search.fitted()), starts, lambda done: inquiry.progress(doing, done / len(starts))
-    )
+    told = partial(inquiry.progress, f"fitting all forms of {rival.proposal.physics}")
+    ahead = _ahead(equipped, origin, search.fitted(), starts, told)
     misfits = [with_form(equipped, origin, form, values) for (form, _), values in zip(starts, ahead, strict=True)]
     return _fitted(begin_candidates(equipped.identifier, [form for form, _ in starts], misfits))
+
+
+def _ahead(
+    workshop: Workshop, origin: Misfit, present: Misfit, starts: Sequence[Start], told: Callable[[float], None]
+) -> list[Mapping[str, float]]:
+    """Where the own numbers of forms go from each start while all others stay: of all quickly, of those that then leave least
+    further."""
+    half = 0.5 / len(starts)
+    near = spread(partial(_alone, workshop, origin, present), starts, lambda done: told(half * done))
+    leading = _leading(starts, near)
+
+    def further(one: tuple[Start, list[End]]) -> list[End]:
+        start, ends = one
+        return _by_and_by(workshop, origin, start, ends) if start[0].form in leading else ends
+
+    far = spread(further, list(zip(starts, near, strict=True)), lambda done: told(0.5 + half * done))
+    return [min(ends, key=lambda end: end[1])[0] for ends in far]
+
+
+def _leading(starts: Sequence[Start], ends: Sequence[Sequence[End]]) -> list[str]:
+    """The forms that leave least."""
+    costs: dict[str, float] = {}
+    for (form, _), each in zip(starts, ends, strict=True):
+        costs[form.form] = min(costs.get(form.form, np.inf), *(cost for _, cost in each))
+    return sorted(costs, key=lambda form: costs[form])[:FURTHER]
 
 
 def _fitted(candidates: Sequence[Candidate]) -> list[Candidate]:
@@ -125,22 +152,24 @@ def _starts(form: Proposal, present: Proposal, found: Mapping[str, float]) -> Se
     return [*form.starts, found] if stands else form.starts
 
 
-def _alone(workshop: Workshop, origin: Misfit, present: Misfit, start: Start) -> Mapping[str, float]:
+def _alone(workshop: Workshop, origin: Misfit, present: Misfit, start: Start) -> list[End]:
     """Where a form's own numbers go while all others stay: from its start, and, where the bodies are the same, from where it
-    acts most like the present form; if these do not meet, also as far as the first instants tell them, and on.
-    """
+    acts most like the present form."""
     form, values = start
-    here = tuple(f"joint.{name}." for key, name in form.location.items() if key == "joint")
     begun = [values]
     if {body.name for body in form.model.bodies} == {body.name for body in present.model.bodies}:
         other = with_form(workshop, origin, form, values)
         begun.append(most_alike(present, other, form.parameters, workshop.laws))
-    ends = [along(workshop, origin, (form, one), SHARES[-1:]) for one in begun]
-    if not _meet([cost for _, cost in ends]):
-        ends.append(along(workshop, origin, start, SHARES))
-    if here:
-        ends.append(along(workshop, origin, start, SHARES[-1:], here))
-    return min(ends, key=lambda end: end[1])[0]
+    return [along(workshop, origin, (form, one), SHARES[-1:]) for one in begun]
+
+
+def _by_and_by(workshop: Workshop, origin: Misfit, start: Start, ends: Sequence[End]) -> list[End]:
+    """Besides, if these ends do not meet, as far as the first instants tell the form's numbers, and on; and with those of its
+    joint."""
+    form, _ = start
+    here = tuple(f"joint.{name}." for key, name in form.location.items() if key == "joint")
+    further = [] if _meet([cost for _, cost in ends]) else [along(workshop, origin, start, SHARES)]
+    return [*ends, *further, *([along(workshop, origin, start, SHARES[-1:], here)] if here else [])]
 
 
 def _meet(costs: Sequence[float]) -> bool:
@@ -148,9 +177,7 @@ def _meet(costs: Sequence[float]) -> bool:
     return len(costs) > 1 and max(costs) - min(costs) < SAME * min(costs)
 
 
-def along(
-    workshop: Workshop, origin: Misfit, start: Start, route: Sequence[float], here: tuple[str, ...] = ()
-) -> tuple[Mapping[str, float], float]:
+def along(workshop: Workshop, origin: Misfit, start: Start, route: Sequence[float], here: tuple[str, ...] = ()) -> End:
     """Where a form's own numbers go, and those whose paths begin with `here`, and what they leave there."""
     (form, values), cost = start, np.inf
     for early in (origin.coarse.up_to(share) for share in route):

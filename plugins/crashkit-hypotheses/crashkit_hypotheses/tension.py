@@ -14,6 +14,9 @@ from crashkit_hypotheses.sizes import largest_deformation, largest_extension, la
 
 STRETCHED = 1e-4
 """m."""
+LIMITS, SLOPES = (0.02, 0.04, 0.08, 0.16, 0.32), (0.1, 0.3, 1.0)
+"""Of the largest force, and of the joint's own line, to start from: a joint that pulls otherwise closes again at another time,
+and a search that begins on the wrong side of that ends there."""
 
 
 class Tension(Hypothesis):
@@ -46,7 +49,7 @@ class Tension(Hypothesis):
         if law is None or not any(spec.name == "tension_force" for spec in law.parameters):
             return []
         pull = {"tension_force": Parameter(0.0, 0.0, largest), "tension": Parameter(1.0, 0.0, 1.0)}
-        starts = grid(tension_force=(0.0, 0.1 * largest, 0.4 * largest))
+        starts = [{"tension_force": 0.0}, *grid(tension_force=[share * largest for share in LIMITS], tension=SLOPES)]
         return [changed(model, joint, Effect(self.physics, "own line, to a limit", joint.law, pull, "tension_force", starts))]
 
     def _straps(self, model: Model, joint: Joint, stretch: float, largest: float) -> list[Proposal]:
