@@ -29,7 +29,7 @@ SAME = 1e-3
 """Of what is left, by which two ends of one optimum may differ."""
 MOVED = 0.5
 """Of what is left above the noise: a form that leaves less has moved all numbers, and others may fit from there."""
-FURTHER = 8
+FURTHER = 4
 """Forms that are then searched for further, where their own numbers have not met: those that leave least."""
 HEATS = ((None, 4, 8), (8, 2, 40))
 """How many forms enter each, from how many starts, and how many steps each gets."""

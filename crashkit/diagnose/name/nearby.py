@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from attrs import evolve, field, frozen
 
 from crashkit.diagnose.fitting.couples import Couple
-from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED, by_evidence, is_at_noise, is_strained, is_unknown
+from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED, Rival, by_evidence, is_at_noise, is_strained, is_unknown
 from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.follow import (
@@ -24,7 +24,7 @@ from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.leaders import coupled_leaders
 from crashkit.diagnose.name.look import FORM_ERRORS, Look, compared, look_again
 from crashkit.diagnose.name.pace import check_pace
-from crashkit.diagnose.name.pairs import both, named_beside
+from crashkit.diagnose.name.pairs import both, named_beside, named_instead
 from crashkit.diagnose.name.rivals import CONCEALED, COUPLED
 from crashkit.diagnose.name.settle import settled
 from crashkit.diagnose.name.two_places import couples_at_two_places
@@ -59,6 +59,9 @@ def followed_nearby(inquiry: Inquiry, near: Look) -> Nearby:
     if not known:
         return Nearby(near)
     if known[0].search.excess > FOLLOWED * inquiry.base.excess:
+        named = in_time(near, _named_instead, inquiry, near, known[0])
+        if named is not near:
+            return followed_nearby(inquiry, named)
         # What an estimate at one place explains alone is not made of two causes at two.
         return Nearby(near, None if is_at_noise(near.leader.search) else _two_at_once(inquiry, near, known[0].search))
     first, search = _at_its_best(inquiry, compared(near, known))
@@ -72,6 +75,16 @@ def followed_nearby(inquiry: Inquiry, near: Look) -> Nearby:
     if two is not None:
         return Nearby(near, two)
     return _with_a_second(inquiry, near, first if is_unknown(near.leader) else near, search)
+
+
+def _named_instead(inquiry: Inquiry, near: Look, known: Rival) -> Look:
+    """The look led by a known cause at the place of its estimate, if that leaves far less than any known one and such a cause,
+    begun beside it, no more: alone, a search may be caught where the model without the cause had been driven."""
+    table = near.leader
+    if not is_unknown(table) or table.search.excess > LEFT * known.search.excess:
+        return near
+    named = named_instead(inquiry, near, table)
+    return compared(named, [*named.rivals, *filter(is_unknown, near.rivals)]) if named else near
 
 
 def _with_a_second(inquiry: Inquiry, near: Look, first: Look, search: Search) -> Nearby:

@@ -32,7 +32,7 @@ def named_before_unknown(inquiry: Inquiry, look: Look) -> tuple[list[Look], Look
     if table is None or not is_unknown(table):
         return [], look
     named = _named(inquiry, look, table)
-    if _beats(named.winner, table) or _is_all(named.winner, table):
+    if _is_told_by(named.winner, table):
         return [], named
     if table.search.normalised < FLOOR:
         return [], look
@@ -41,6 +41,12 @@ def named_before_unknown(inquiry: Inquiry, look: Look) -> tuple[list[Look], Look
         if _beats(second.winner, table):
             return [named], second
     return _standing_out(inquiry, look, table) or ([], look)
+
+
+def named_instead(inquiry: Inquiry, look: Look, table: Rival) -> Look | None:
+    """The look without estimates, led by what imitates its table, in its best form; None if that leaves more."""
+    named = _named(inquiry, look, table)
+    return named if _is_told_by(named.winner, table) else None
 
 
 def named_beside(inquiry: Inquiry, look: Look, findings: Sequence[Look]) -> Look:
@@ -53,7 +59,7 @@ def named_beside(inquiry: Inquiry, look: Look, findings: Sequence[Look]) -> Look
     if not places or table is None or not is_unknown(table) or table.place in places:
         return look
     named = with_imitations(inquiry, look, table)
-    return named if _beats(named.winner, table) or _is_all(named.winner, table) else look
+    return named if _is_told_by(named.winner, table) else look
 
 
 def both(inquiry: Inquiry, look: Look) -> tuple[Look, Look] | None:
@@ -80,6 +86,11 @@ def _second_beside(look: Look, without: Search, kept: tuple[str, str], found: Se
             rivals.append(rival_of(others[0], couple.search, without.deviance))
     ranked = best_forms(by_evidence(rivals))
     return compared(evolve(look, before=without.fitted(), least=least_drop(found), couples=()), ranked)
+
+
+def _is_told_by(rival: Rival | None, table: Rival) -> bool:
+    """Whether a known cause is told instead of a table."""
+    return _beats(rival, table) or _is_all(rival, table)
 
 
 def _beats(rival: Rival | None, table: Rival) -> bool:

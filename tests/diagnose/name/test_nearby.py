@@ -9,7 +9,14 @@ from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.name import nearby
 from crashkit.diagnose.name.look import Look
-from crashkit.diagnose.name.nearby import _in_forms_together, _two_at_once, _two_of_all, _with_a_second, followed_nearby
+from crashkit.diagnose.name.nearby import (
+    Nearby,
+    _in_forms_together,
+    _two_at_once,
+    _two_of_all,
+    _with_a_second,
+    followed_nearby,
+)
 from crashkit.protocols import Proposal
 
 
@@ -218,5 +225,25 @@ def test_else_they_are_not(together, end, other, why):
 @pytest.mark.parametrize(("estimate", "found"), [(1.01, None), (1.3, "two")])
 def test_two_causes_are_not_asked_for_where_an_estimate_at_one_place_leaves_nothing(monkeypatch, estimate, found):
     monkeypatch.setattr(nearby, "_two_at_once", lambda *_: "two")
+    monkeypatch.setattr(nearby, "named_instead", lambda *_: None)
     near = Look((rival_at("nose", "unknown", estimate), rival_at("rails", "clearance", 8.0)), (1.0, 0.0), 0.0, None)
     assert followed_nearby(SimpleNamespace(base=leaving(9.0)), near).found == found
+
+
+@pytest.mark.parametrize(("estimate", "asked"), [(1.5, ["nose"]), (4.0, [])])
+def test_a_known_cause_at_the_place_of_an_estimate_that_leaves_far_less_than_any_is_followed(monkeypatch, estimate, asked):
+    """Before two at once are asked for."""
+    tension, places = rival_at("nose", "tension", 1.03), []
+    near = Look((rival_at("nose", "unknown", estimate), rival_at("rails", "clearance", 8.0)), (1.0, 0.0), 0.0, None)
+
+    def named_instead(inquiry, look, table):
+        places.append(table.proposal.location["joint"])
+        return Look((tension, look.rivals[1]), (1.0, 0.0), 0.0, None)
+
+    monkeypatch.setattr(nearby, "named_instead", named_instead)
+    monkeypatch.setattr(nearby, "_two_at_once", lambda inquiry, look, search: None if search is tension.search else "two")
+    monkeypatch.setattr(nearby, "_at_its_best", lambda inquiry, look: (look, look.leader.search))
+    monkeypatch.setattr(nearby, "check_pace", lambda *_: None)
+    monkeypatch.setattr(nearby, "_with_a_second", lambda inquiry, look, first, search: Nearby(look, first.leader.identity))
+    told = followed_nearby(SimpleNamespace(base=leaving(9.0)), near).found
+    assert (told, places) == (("tension", "joint nose") if asked else "two", asked)
