@@ -248,6 +248,12 @@ def bristling(model):
     return with_joint(model, Joint("rub", ("wall", "front"), "dahl", bristles))
 
 
+def finely_rubbing(model):
+    """Friction of short bristles."""
+    bristles = fixed(friction_force=5e3, bristle_length=0.003)
+    return with_joint(model, Joint("rub", ("wall", "front"), "dahl", bristles))
+
+
 def folding(model, **shape):
     """Some five folds from the elastic limit on."""
     return with_law(model, "+ folding", amplitude=8e3, fold_length=0.3, onset=0.2, **shape)
@@ -403,6 +409,13 @@ def pulling(model):
     second = model.joint("second")
     hooked = evolve(second, parameters={**second.parameters, **fixed(tension=0.6, tension_force=1.5e4)})
     return evolve(model, joints=(model.joint("first"), hooked))
+
+
+def pulling_weakly(model):
+    """It pulls a tenth as steeply as it pushes, until it slips."""
+    second = model.joint("second")
+    loose = evolve(second, parameters={**second.parameters, **fixed(tension=0.1, tension_force=4e3)})
+    return evolve(model, joints=(model.joint("first"), loose))
 
 
 def released(model, mass):
@@ -629,6 +642,10 @@ CASES = {
         ("joint_friction", "bristles", {"joint": "first"}),
         {"friction_force": 5e3, "bristle_length": 0.04},
     ),
+    finely_rubbing: (
+        ("joint_friction", "bristles", {"joint": "first"}),
+        {"friction_force": 5e3, "bristle_length": 0.003},
+    ),
     folding: (
         ("progressive_folding", "sine", {"joint": "first"}),
         {"amplitude": 8e3, "fold_length": 0.3, "onset": 0.2},
@@ -703,6 +720,7 @@ CASES = {
         {"damping": 3e3, "doubling_deformation": 0.1},
     ),
     pulling: (("tension", "own line, to a limit", {"joint": "second"}), {"tension_force": 1.5e4, "tension": 0.6}),
+    pulling_weakly: (("tension", "own line, to a limit", {"joint": "second"}), {"tension_force": 4e3, "tension": 0.1}),
     sliding: (("obstacle_motion", "sliding", {"body": "wall"}), {"mass": 2500.0, "friction_force": 2.5e4}),
     pushed_away: (("obstacle_motion", "free", {"body": "wall"}), {"mass": 4e3}),
     in_soil: (
@@ -738,6 +756,7 @@ CASES = {
 
 LATE = {
     checked,
+    pulling_weakly,
     absorbing,
     cushioned,
     choked,
