@@ -160,3 +160,16 @@ def test_what_made_up_for_a_poor_form_is_dropped(inquiry, base, finding):
     (kept,), search = reconsidered(inquiry(without), [first, second], both)
     assert kept.leader.proposal.form == "both ways"
     assert search.normalised == pytest.approx(1.0, abs=0.03)
+
+
+def test_only_the_forms_that_leave_least_are_searched_for_further(monkeypatch):
+    """The best start of a form counts for it."""
+    costs = {"a": [9.0, 1.0], "b": [2.0], "c": [3.0], "d": [4.0], "e": [5.0]}
+    starts = [(SimpleNamespace(form=form), {"cost": cost}) for form, each in costs.items() for cost in each]
+    monkeypatch.setattr(forms, "spread", lambda function, items, told: [told(0), *map(function, items)][1:])
+    monkeypatch.setattr(forms, "_alone", lambda workshop, origin, present, start: [(start[1], start[1]["cost"])])
+    monkeypatch.setattr(forms, "_by_and_by", lambda workshop, origin, start, ends: [*ends, ({"further": 0.0}, 0.0)])
+    shares = []
+    ends = forms._ahead(None, None, None, starts, shares.append)
+    assert ends == 5 * [{"further": 0.0}] + [{"cost": 5.0}]
+    assert shares == [0.0, 0.5]
