@@ -153,6 +153,12 @@ def explains(search: Search) -> bool:
     return is_at_noise(search) and is_sound(search)
 
 
+def one_explains(fitted: Iterable[Candidate]) -> bool:
+    """Whether a known claim alone leaves nothing to speak of, and no number had to be strained for it."""
+    known = [search for proposal, search in fitted if proposal.physics != UNKNOWN]
+    return any(search.normalised <= FLOOR and not is_strained(search) for search in known)
+
+
 def is_sound(search: Search) -> bool:
     """Whether the noise is told, and no number had to be strained for the fit."""
     told = all(channel.noise.trusted for channel in search.misfit.channels)

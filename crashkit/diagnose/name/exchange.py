@@ -47,7 +47,7 @@ def in_its_stead(inquiry: Inquiry, findings: Sequence[Look], search: Search) -> 
     """The findings, one of those before the last exchanged for what explained nearly as much alone, where that is more evident
     beside the last.
 
-    Of two causes that explain about as much as long as a third is not known, the wrong one may well be ahead.
+    Of two causes that explain about as much alone, the wrong one may well lead.
 
     Arguments:
         search: the fit with them.

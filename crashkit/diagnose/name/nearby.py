@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from attrs import evolve, field, frozen
 
 from crashkit.diagnose.fitting.couples import Couple
-from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED, Rival, by_evidence, is_at_noise, is_strained, is_unknown
+from crashkit.diagnose.fitting.evidence import UNEXPLAINED, Rival, by_evidence, is_at_noise, is_unknown, one_explains
 from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.follow import (
@@ -28,7 +28,6 @@ from crashkit.diagnose.name.pairs import both, named_beside, named_instead
 from crashkit.diagnose.name.rivals import CONCEALED, COUPLED
 from crashkit.diagnose.name.settle import settled
 from crashkit.diagnose.name.two_places import couples_at_two_places
-from crashkit.diagnose.result import UNKNOWN
 
 FOLLOWED = 0.5
 """Of what the model without it leaves above the noise: a claim that leaves more is not followed before all are asked."""
@@ -103,19 +102,13 @@ def _with_a_second(inquiry: Inquiry, near: Look, first: Look, search: Search) ->
         if _may_be_one(look, search):
             look = in_time(look, named_beside, inquiry, look, [first])
         if not (_completes(look, search) or _is_most(search, inquiry.base, look)):
-            if in_time(True, _is_one_alone, inquiry):
+            # From where the model has been driven, two others may seem to explain what one does from the given values.
+            if in_time(True, lambda: one_explains(inquiry.from_given.singles)):
                 return Nearby(near, None, look)
             found = in_time(None, _in_forms_together, inquiry, first, look, search)
             return Nearby(near, found or in_time(None, _two_of_all, inquiry, near, search), look)
     found, _ = followed(inquiry, [first], look)
     return Nearby(near, found, look)
-
-
-def _is_one_alone(inquiry: Inquiry) -> bool:
-    """Whether from the values that the user gave one known cause explains everything: from where the model without it has been
-    driven, two others may seem to."""
-    known = [search for proposal, search in inquiry.from_given.singles if proposal.physics != UNKNOWN]
-    return any(search.normalised <= FLOOR and not is_strained(search) for search in known)
 
 
 def _in_forms_together(inquiry: Inquiry, first: Look, look: Look, search: Search) -> Discovery | None:

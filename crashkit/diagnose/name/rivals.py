@@ -9,7 +9,7 @@ from crashkit.diagnose.claims import Progress, Start, first_of_each, identity, i
 from crashkit.diagnose.fitting.candidates import Candidate
 from crashkit.diagnose.fitting.contest import GROWING, heats, promising, scores, scouted
 from crashkit.diagnose.fitting.couples import Couple
-from crashkit.diagnose.fitting.evidence import FLOOR, STRAINED, Rival, explains, is_at_noise, is_strained, ranked_by_evidence
+from crashkit.diagnose.fitting.evidence import FLOOR, STRAINED, Rival, explains, is_at_noise, one_explains, ranked_by_evidence
 from crashkit.diagnose.fitting.from_given import FromGiven
 from crashkit.diagnose.fitting.reidentify import scattered
 from crashkit.diagnose.fitting.score import Score
@@ -183,8 +183,7 @@ def _from_given(claims: FromGiven, astray: float) -> tuple[list[Candidate], list
     """
     workshop, given, progress = claims.workshop, claims.given, claims.progress
     found = claims.singles
-    known = [search for proposal, search in found if proposal.physics != UNKNOWN]
-    if any(search.normalised <= FLOOR and not is_strained(search) for search in known):
+    if one_explains(found):
         return found, []
     least = min((search.excess for _, search in found), default=np.inf)
     is_one = any(proposal.physics == UNKNOWN and is_at_noise(search) for proposal, search in found)

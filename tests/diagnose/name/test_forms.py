@@ -111,13 +111,18 @@ def test_forms_are_asked_once_for_a_fit(inquiry, base, finding):
         in_best_forms(unwatched, findings, evolve(search), thorough=True)
 
 
-@pytest.mark.parametrize(("then", "told", "asked"), [(5.0, 2.0, ["power", "branch"]), (9.0, 9.0, ["power"])])
-def test_where_a_form_has_moved_all_numbers_they_are_asked_again_from_there(monkeypatch, then, told, asked):
-    """One that leaves less than half lets others fit that were caught beside the poor one."""
+@pytest.mark.parametrize(
+    ("left", "then", "told", "asked"),
+    [(11.0, 5.0, 2.0, ["power", "branch"]), (11.0, 9.0, 9.0, ["power"]), (-0.02, -0.03, -0.03, ["power"])],
+)
+def test_where_a_form_has_moved_all_numbers_they_are_asked_again_from_there(monkeypatch, left, then, told, asked):
+    """One that leaves less than half lets others fit that were caught beside the poor one; not at the noise, though numbers
+    are strained."""
 
     def leaving(excess):
-        misfit = SimpleNamespace(independent_samples=1000.0)
-        return SimpleNamespace(excess=excess, normalised=(1.0 + excess) ** 0.5, deviance=1000.0 * excess, misfit=misfit)
+        misfit = SimpleNamespace(independent_samples=1000.0, channels=(), departure=lambda point: 40.0)
+        normalised = (1.0 + excess) ** 0.5
+        return SimpleNamespace(excess=excess, normalised=normalised, deviance=1000.0 * excess, misfit=misfit, point=None)
 
     def form(name):
         return Proposal("relaxation", name, {"joint": "nose"}, None, (), {})
@@ -132,7 +137,7 @@ def test_where_a_form_has_moved_all_numbers_they_are_asked_again_from_there(monk
     monkeypatch.setattr(forms, "in_all_forms", in_all_forms)
     monkeypatch.setattr(forms, "begun_from_given", lambda search, given: search)
     monkeypatch.setattr(forms, "_as_seen", lambda workshop, look, rival: rival)
-    look = Look((Rival(form("power"), leaving(11.0), 9000.0, 4500.0),), (1.0,), 0.0, None)
+    look = Look((Rival(form("power"), leaving(left), 9000.0, 4500.0),), (1.0,), 0.0, None)
     _, search = in_best_forms(SimpleNamespace(given=None, workshop=None), [look], look.leader.search)
     assert search.excess == told
     assert forms_asked == asked

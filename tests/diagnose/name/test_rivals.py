@@ -75,7 +75,6 @@ def test_where_much_is_left_few_samples_say_where_to_begin_and_no_limits(
 )
 def test_couples_are_asked_from_the_given_numbers_but_where_an_estimate_leaves_nothing(monkeypatch, physics, left, is_asked):
     asked = []
-    monkeypatch.setattr(rivals, "is_strained", lambda search: True)
     for name in ("scores", "promising", "scouted", "heats"):
         monkeypatch.setattr(rivals, name, lambda *_: [])
     search = SimpleNamespace(normalised=left, excess=left**2 - 1.0, misfit=SimpleNamespace(independent_samples=1000.0))
