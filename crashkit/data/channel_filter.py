@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import xarray as xr
+from attrs import frozen
 from numba import njit
 
 from crashkit.errors import CrashkitError
@@ -47,15 +48,38 @@ def filter_channel(
     samples = np.moveaxis(np.asarray(values, dtype=float), axis, 0)
     if len(samples) < 2:
         return values
-    wa = _warped_frequency(cfc, _interval(np.asarray(times)))
-    tail = _memory(wa)
-    padded = np.empty((len(samples) + tail, math.prod(samples.shape[1:])))
-    padded[: len(samples)] = samples.reshape(len(samples), -1)
-    padded[len(samples) :] = padded[len(samples) - 1]
-    start = padded[0].copy() if before is None else np.broadcast_to(before, samples.shape[1:]).astype(float).ravel()
-    _pass(padded, wa, start, 0, len(padded), 1)
-    _pass(padded, wa, padded[-1].copy(), len(padded) - 1, -1, -1)
-    return np.moveaxis(padded[: len(samples)].reshape(samples.shape), 0, axis)
+    start = samples[0] if before is None else np.broadcast_to(before, samples.shape[1:])
+    return np.moveaxis(ChannelFilter.of(times, cfc).filtered(samples, start), 0, axis)
+
+
+@frozen
+class ChannelFilter:
+    """The filter of a class at one sampling rate, for samples that are filtered again and again.
+
+    Arguments:
+        warped: tan(pi f T), the design frequency as the bilinear transform sees it.
+        memory: samples after which a transient is forgotten.
+    """
+
+    warped: float
+    memory: int
+
+    @classmethod
+    def of(cls, times: np.ndarray, cfc: float) -> "ChannelFilter":
+        """The filter of class `cfc`, Hz, for samples at `times`, s; raises as `filter_channel` does."""
+        warped = _warped_frequency(cfc, _interval(np.asarray(times)))
+        return cls(warped, _memory(warped))
+
+    def filtered(self, samples: np.ndarray, before: np.ndarray | float) -> np.ndarray:
+        """Samples (time, ...) filtered, which were `before` until the first."""
+        padded = np.empty((len(samples) + self.memory, samples[0].size))
+        padded[: len(samples)] = samples.reshape(len(samples), -1)
+        padded[len(samples) :] = padded[len(samples) - 1]
+        start = np.empty(samples.shape[1:])
+        start[...] = before
+        _pass(padded, self.warped, start.ravel(), 0, len(padded), 1)
+        _pass(padded, self.warped, padded[-1].copy(), len(padded) - 1, -1, -1)
+        return padded[: len(samples)].reshape(samples.shape)
 
 
 def correlation_samples(cfc: float, interval: float) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from crashkit.errors import SimulationError
+from crashkit.mechanics.given import side_of
 from crashkit.mechanics.kernel.arrays import START, Floats, Record, Work
 from crashkit.mechanics.kernel.run import DONE
 from crashkit.mechanics.layout import DOF
@@ -114,20 +115,32 @@ class RepeatedRun:
 
 
 def entry_of(simulator: Simulator, quantity: str, body: str, axis: str) -> int | None:
-    """Where a record of a model's runs holds a quantity of `BY_BODY`; None where it does not.
-
-    The force that a load cell feels is no entry of its own where a joint supports a body.
-    """
+    """Where a record of a model's runs holds a quantity of `BY_BODY`; None where it does not."""
     layout = simulator.layout
     axes, bodies = layout.axes, layout.bodies
-    supports = quantity == FORCE and bool(simulator.names["joint_support"].values.any())
-    if supports or quantity not in BY_BODY or axis not in axes:
+    if quantity not in BY_BODY or axis not in axes:
         return None
-    dof = DOF[len(axes)]
+    dof, twice = DOF[len(axes)], _of_joints(simulator)
     velocities = dof * len(bodies)
-    size = 2 * velocities + sum(bool(function.law.memory) for own in layout.functions for function in own)
-    starts = (0, velocities, size + velocities, 2 * size + 3 * len(layout.joints))
+    starts = (0, velocities, twice // 2 + velocities, twice + 3 * len(layout.joints))
     return starts[BY_BODY.index(quantity)] + dof * bodies.index(body) + axes.index(axis)
+
+
+def supports_of(simulator: Simulator, body: str) -> dict[int, float]:
+    """What holds a body on a line, which a record's force on it counts and a load cell does not feel: by entry, times what."""
+    held = {}
+    for number, joint in enumerate(simulator.model.joints):
+        if joint.support and body in joint.pushed:
+            side = side_of(simulator.model, joint)
+            held[_of_joints(simulator) + 3 * number] = side if joint.pushed[1] == body else -side
+    return held
+
+
+def _of_joints(simulator: Simulator) -> int:
+    """Where a record's entries of joints begin, after the state and its derivative."""
+    layout = simulator.layout
+    memories = sum(bool(function.law.memory) for own in layout.functions for function in own)
+    return 2 * (2 * DOF[len(layout.axes)] * len(layout.bodies) + memories)
 
 
 def _blank(motion: xr.Dataset) -> xr.Dataset:

@@ -50,21 +50,25 @@ class Simulator:
         if self.engine.axes != len(model.axes):
             found = f"one for {self.engine.axes}"
             raise CrashkitError(f"model {model.name}: expected an engine for {len(model.axes)} axes, found {found}")
-        sides = [side_of(model, joint) if len(model.axes) == 1 else np.nan for joint in model.joints]
-        ends = np.array([joint.pushed for joint in model.joints], dtype=str).reshape(-1, 2)
-        self.names = xr.Coordinates(
+
+    def __repr__(self) -> str:
+        return f"Simulator of {self.model!r}"
+
+    @cached_property
+    def names(self) -> xr.Coordinates:
+        """The coordinates of its motions but for time; made when they are first asked for, as most searches never do."""
+        model, joints = self.model, self.model.joints
+        sides = [side_of(model, joint) if len(model.axes) == 1 else np.nan for joint in joints]
+        return xr.Coordinates(
             {
                 "body": list(self.layout.bodies),
                 "axis": list(model.axes if len(model.axes) == 1 else XYZ),
                 "joint": np.array(self.layout.joints, dtype=str),
-                "joint_bodies": (("joint", "end"), ends),
+                "joint_bodies": (("joint", "end"), np.array([joint.pushed for joint in joints], dtype=str).reshape(-1, 2)),
                 "joint_side": ("joint", np.array(sides, dtype=float)),
-                "joint_support": ("joint", np.array([joint.support for joint in model.joints], dtype=bool)),
+                "joint_support": ("joint", np.array([joint.support for joint in joints], dtype=bool)),
             }
         )
-
-    def __repr__(self) -> str:
-        return f"Simulator of {self.model!r}"
 
     @cached_property
     def allowed(self) -> Allowed:

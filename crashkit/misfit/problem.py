@@ -100,17 +100,16 @@ class Misfit(SearchVariables):
     def residual_and_jacobian(self, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Weighted residuals and their derivatives to the search variables."""
         predictions = self.predictor.predict_at(self.parameters(scaled), sensitivities=True)
-        residual = self._residual(predictions)
-        pairs = zip(self._rows, predictions, strict=True)
-        jacobian = np.concatenate([rows.jacobian(prediction) for rows, prediction in pairs])
-        jacobian *= self.scaling(scaled)
+        departure, own = self.belief(scaled)
+        residual = np.concatenate([self._residual(predictions), departure])
+        jacobian, scaling, start = np.empty((len(residual), len(scaled))), self.scaling(scaled), 0
+        for rows, prediction in zip(self._rows, predictions, strict=True):
+            rows.jacobian(prediction, scaling, jacobian[start : (start := start + len(rows.recorded))])
+        jacobian[start:] = own
         unknown = np.isnan(residual)
         if unknown.any():
             residual[unknown], jacobian[unknown] = 0.0, 0.0
-        if not self._known.size:
-            return residual, jacobian
-        departure, own = self.belief(scaled)
-        return np.concatenate([residual, departure]), np.concatenate([jacobian, own])
+        return residual, jacobian
 
     def channel_sums(self, residual: np.ndarray) -> np.ndarray:
         """The sum of squares of each channel's weighted residuals; a channel at its noise gives its independent samples."""

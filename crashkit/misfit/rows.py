@@ -25,12 +25,13 @@ class Rows:
         """(recorded - predicted) weight."""
         return (self.recorded - prediction.samples.reshape(-1)[self.kept]) * self.weights
 
-    def jacobian(self, prediction: Prediction) -> np.ndarray:
-        """Its derivatives, (row, parameter)."""
+    def jacobian(self, prediction: Prediction, scaling: np.ndarray, table: np.ndarray) -> None:
+        """Its derivatives to search variables, into `table` (row, parameter); with `scaling` of `SearchVariables`."""
         sensitivity = prediction.sensitivity
         assert sensitivity is not None  # asked for by the only caller
         columns = sensitivity.reshape(len(sensitivity) * sensitivity.shape[1], sensitivity.shape[2])
-        return columns[self.kept] * -self.weights[:, None]
+        np.multiply(columns[self.kept], scaling, out=table)
+        table *= -self.weights[:, None]
 
 
 def rows_of(group: Group) -> Rows:

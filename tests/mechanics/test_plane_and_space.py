@@ -190,7 +190,8 @@ def test_bodies_exchange_momentum_and_lose_what_the_joints_take(simulate, axes, 
     energy = 0.5 * np.einsum("b,tbi->t", mass, velocity**2) + 0.5 * np.einsum("tbi,tbi->t", spin, turning)
     power = (motion["force"] * motion["deformation_rate"]).sum("joint").values
     taken = np.concatenate([[0.0], np.cumsum(0.5 * (power[1:] + power[:-1]) * np.diff(TIMES))])
-    np.testing.assert_allclose(energy + taken, energy[0], atol=3e-3 * energy[0] + 1e-9)
+    jump = 0.5 * (TIMES[1] - TIMES[0]) * np.abs(np.diff(power)).max()  # what the sum takes wrongly where a joint begins to act
+    np.testing.assert_allclose(energy + taken, energy[0], atol=3e-3 * energy[0] + jump)
 
 
 @pytest.mark.parametrize("axes", [2, 3])

@@ -5,12 +5,13 @@ from functools import lru_cache
 
 import numpy as np
 import xarray as xr
-from attrs import frozen
+from attrs import evolve, frozen
 
 from crashkit.errors import CrashkitError
 from crashkit.mechanics.motion import XYZ
 from crashkit.misfit import Group, Misfit
 from crashkit.misfit.predictor import initial_state
+from crashkit.model import Body
 from crashkit_identifiers.measured_rotation import rotation_curves
 from crashkit_identifiers.spline import Reading, enough, smoothed
 
@@ -40,22 +41,31 @@ def measured_motion(misfit: Misfit, run: str) -> xr.Dataset:
         instrument saw; in several axes, which are then all three, also `orientation` (time, body, quaternion),
         `angular_velocity`, `angular_acceleration` and `angular_acceleration_std`; `seen` (body), whether all of that is known.
     """
-    model, groups = misfit.model, tuple(group for group in misfit.groups if group.run == run)
-    times, initial = _instants(groups), list(_initial(misfit, run))
-    axes = model.axes if len(model.axes) == 1 else XYZ
+    groups = tuple(group for group in misfit.groups if group.run == run)
+    bodies = tuple(evolve(body, mass=None, inertia=(), motion=None, force=None) for body in misfit.model.bodies)
+    return _measured(misfit.model.axes, bodies, groups, tuple(_initial(misfit, run)))
+
+
+@lru_cache(maxsize=64)
+def _measured(
+    model_axes: tuple[str, ...], bodies: tuple[Body, ...], groups: tuple[Group, ...], initial: tuple["_Initial", ...]
+) -> xr.Dataset:
+    """Remembered: a diagnosis tries many models on the same readings."""
+    times = _instants(groups)
+    axes = model_axes if len(model_axes) == 1 else XYZ
     parts = []
-    for body in model.bodies:
-        position = dict(zip(model.axes, body.position, strict=True))
+    for body in bodies:
+        position = dict(zip(model_axes, body.position, strict=True))
         columns = [
             _still(position.get(axis, 0.0), len(times))
-            if body.fixed or axis not in model.axes
+            if body.fixed or axis not in model_axes
             else _moved(groups, body.name, axis, tuple(one for one in initial if (one.body, one.axis) == (body.name, axis)))
             for axis in axes
         ]
         arrays = {name: np.column_stack([column[name] for column in columns]) for name in columns[0]}
         if len(axes) == 3:
             turns = [(one.reading.times, one.quaternions) for one in _found(groups) if (one.body, one.axis) == (body.name, "")]
-            arrays |= rotation_curves(turns, times, body, model.axes)
+            arrays |= rotation_curves(turns, times, body, model_axes)
         parts.append(arrays)
     variables = {
         name: (
@@ -66,7 +76,7 @@ def measured_motion(misfit: Misfit, run: str) -> xr.Dataset:
         for name in parts[0]
     }
     seen = [all(np.isfinite(values).any() for values in part.values()) for part in parts]
-    coords = {"time": times, "body": [body.name for body in model.bodies], "axis": list(axes)}
+    coords = {"time": times, "body": [body.name for body in bodies], "axis": list(axes)}
     return xr.Dataset({**variables, "seen": ("body", seen)}, coords)
 
 
