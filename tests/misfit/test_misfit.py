@@ -108,6 +108,42 @@ def test_what_is_read_without_a_motion_is_what_the_observer_says_of_it(
     np.testing.assert_allclose(slopes, others, rtol=1e-6, atol=3e-4 * np.abs(others).max())
 
 
+def held_by_the_ground(model):
+    """The wall can move, and a spring holds it to the ground behind it."""
+    wall = evolve(model.body("wall"), fixed=False, mass=Parameter(500.0, 50.0, 5e3))
+    ground = Body("ground", (5.0,), (0.0,), fixed=True)
+    held = evolve(model.joint("first"), name="held", bodies=("ground", "wall"), support=True)
+    return with_joint(with_body(evolve(model, bodies=(wall, *model.bodies[1:])), ground), held)
+
+
+def with_load_cell(run):
+    """On the wall, between the samples of which steps may end anywhere."""
+    times = np.arange(301) * 1e-3
+    force = xr.Variable(("time", "sensor", "axis"), np.zeros((len(times), 1, 1)), {"units": "N"})
+    cell = xr.Dataset(
+        {"force": force, "sensor_body": ("sensor", ["wall"]), "force_std": ("sensor", [2e3], {"units": "N"})},
+        {"time": ("time", times, {"units": "s"}), "sensor": ["plate"], "axis": ["x"]},
+        {"observer": "load_cell", "channel_frequency_class": 0},
+    )
+    return run.assign({"cell": xr.DataTree(cell)})
+
+
+def test_a_load_cell_on_a_held_obstacle_is_read_without_a_motion(misfit, model, recorded, monkeypatch):
+    """It feels what the mass exerts on the wall, and not what holds that."""
+    held = held_by_the_ground(model)
+    run = with_load_cell(recorded(held))
+    fast = misfit(held, run=run).with_step(2e-5)
+    residual, jacobian = fast.residual_and_jacobian(fast.start())
+    felt = -2e3 * residual[-301:]
+    mass, deceleration = held.body("front").mass.value, run["accelerometer"]["acceleration"].sel(sensor="front_sensor").values
+    np.testing.assert_allclose(felt, -mass * deceleration.ravel(), rtol=1e-3, atol=1e-3 * np.abs(felt).max())
+    monkeypatch.setattr(predictor, "readout_of", lambda *_: None)
+    slow = misfit(held, run=run).with_step(2e-5)
+    others, slopes = slow.residual_and_jacobian(slow.start())
+    np.testing.assert_allclose(residual, others, rtol=1e-6, atol=1e-6 * np.abs(others).max())
+    np.testing.assert_allclose(jacobian, slopes, rtol=1e-6, atol=1e-6 * np.abs(slopes).max())
+
+
 def assert_jacobian(problem, step, accuracy):
     point = problem.start()
     _, jacobian = problem.residual_and_jacobian(point)
