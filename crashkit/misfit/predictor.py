@@ -109,9 +109,11 @@ class Predictor:
         }
 
     def _stops(self, run: str) -> Floats | None:
-        """Where steps of a run end: at the instants at which forces are read, or at all where an observer looks for itself."""
+        """Where steps of a run end: at the instants at which forces are read, or at all where an observer looks for forces
+        itself, or for orientations in space."""
         own = [(group, one) for group, one in zip(self.groups, self._readouts, strict=True) if group.run == run]
-        forces = [(group, one) for group, one in own if one is None or one.of_force]
+        in_space = len(self.model.axes) == 3
+        forces = [(group, one) for group, one in own if not group.observer.of_motion or (in_space and one is None)]
         if any(one is None or group.name in self._wrong for group, one in forces):
             return None
         return np.unique(np.concatenate([[], *(one.nodes[one.rows] for _, one in forces if one)]))

@@ -25,7 +25,6 @@ class Readout:
         rates: the entries of their rates, where the motion before contact changes them.
         early: (time stamp, 1) s, of those before contact.
         is_still: whether the channels show nothing before contact.
-        of_force: whether they show what acts, and not how bodies move.
         filter: of the channels, if they are filtered.
         offset: (channel,) added to what they show.
         observer, instrument: of the group.
@@ -38,7 +37,6 @@ class Readout:
     rates: Integers
     early: Floats
     is_still: bool
-    of_force: bool
     filter: ChannelFilter | None
     offset: Floats
     observer: PlainObserver
@@ -112,7 +110,6 @@ def readout_of(group: Group, simulator: Simulator, nodes: Floats, turning: bool,
         rates=np.array(rates, int),
         early=group.times[group.times < 0.0],
         is_still=reading.quantity not in ("position", "velocity"),
-        of_force=reading.quantity == FORCE,
         filter=ChannelFilter.of(group.times, cfc) if cfc and len(group.times) > 1 else None,
         offset=reading.offset,
         observer=group.observer,

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from attrs import evolve, field, frozen
 
 from crashkit.diagnose.claims import accuses_instrument
-from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED, Rival, explains, is_unknown, ranked_by_evidence
+from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED, Rival, explains, is_unknown, ranked_by_evidence, rival_of
 from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.rebuild import alone_again
 from crashkit.diagnose.fitting.search import Search
@@ -168,10 +168,34 @@ def with_one_more(inquiry: Inquiry, findings: Sequence[Look], look: Look, winner
     more = [*findings, in_time(look, settled, inquiry, look, winner, found)]
     search = more[-1].leader.search
     more, search = in_time((more, search), in_its_stead, inquiry, more, search)
+    beside = _forms_of(more[:-1])
     more, search = in_time((more, search), in_best_forms, inquiry, more, search)
+    if _forms_of(more[:-1]) != beside:
+        more, search = in_time((more, search), _settled_again, inquiry, more, search)
     if not is_estimated(more):
         check_pace(inquiry, evolve(more[-1].leader, search=search), more[:-1])
     return more, search
+
+
+def _forms_of(findings: Sequence[Look]) -> list[str]:
+    return [look.leader.proposal.form for look in findings]
+
+
+def _settled_again(inquiry: Inquiry, findings: Sequence[Look], search: Search) -> tuple[list[Look], Search]:
+    """The findings with the last settled beside the others as they are now.
+
+    Beside a first cause in a form that is off, the wrong one of two alike may have made up for that.
+    """
+    *others, last = findings
+    found = [look.leader for look in others]
+    without = inquiry.fit_with(found, search)
+    if without is None or is_unknown(last.leader):
+        return list(findings), search
+    present = rival_of(last.leader.proposal, search, without.deviance)
+    look = settled(inquiry, compared(evolve(last, before=without.fitted()), [present]), present, found)
+    if look.leader.identity == last.leader.identity:
+        return list(findings), search
+    return in_best_forms(inquiry, [*others, look], look.leader.search)
 
 
 def _completed(inquiry: Inquiry, findings: Sequence[Look], search: Search, look: Look) -> tuple[list[Look], Search] | None:

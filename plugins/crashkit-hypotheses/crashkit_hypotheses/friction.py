@@ -6,7 +6,9 @@ SLIP_RATE, FASTEST_SLIP = 0.4, 3.0
 """m/s: how fast smooth friction slides once it is established, to start from, and at most."""
 TAIL = {"tail": Parameter(1.0, -0.5, 2.5)}
 """Of smooth friction that is long in reaching its full force."""
-REFINED = ("smooth and falling", "smooth with a tail")
+BACK = {"rebound": Parameter(1.0, 0.0, 10.0)}
+"""Of friction that is another on the way back, as of wedges."""
+REFINED = ("smooth and falling", "smooth with a tail", "two-way")
 """The forms of friction that are only tried where another was found: they take many shapes."""
 MOST_RISING = -0.5
 """Of friction that rises with the rate, what it has less at first: more would be a damper."""

@@ -9,7 +9,7 @@ from attrs import evolve
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import Effect, grid, multiplied, parallel, pushing_beside
-from crashkit_hypotheses.friction import REFINED, SLOWEST, TAIL, falling, smooth
+from crashkit_hypotheses.friction import BACK, REFINED, SLOWEST, TAIL, falling, smooth
 from crashkit_hypotheses.sizes import compressed, largest_deformation, largest_extension, largest_rate, largest_recoil
 
 Parameters = dict[str, Parameter]
@@ -76,9 +76,9 @@ class ViscousDamping(Hypothesis):
 
 
 class JointFriction(Hypothesis):
-    """F = F_law + f sign(ddot), smoothed at low rates or over the length of a bristle, at all times or while compressed; or
-    F_law (1 + m sign(ddot)), where the joint's own force presses what rubs; or both, where something else presses it too; at
-    low rates another."""
+    """F = F_law + f sign(ddot), smoothed at low rates or over the length of a bristle, at all times or while compressed; with
+    another f on the way back; or F_law (1 + m sign(ddot)), where the joint's own force presses what rubs; or both, where
+    something else presses it too; at low rates another."""
 
     physics: ClassVar[str] = "joint_friction"
     sentence: ClassVar[str] = "a dry friction force opposes the deformation of {place}"
@@ -143,6 +143,7 @@ def _friction_laws(reached: float, fastest: float) -> FrictionLaws:
         "falling": ("coulomb", less, ({},)),
         "smooth and falling": ("coulomb", less | established, ({},)),
         "smooth with a tail": ("coulomb", FORCE | established | TAIL, ({},)),
+        "two-way": ("coulomb", FORCE | established | BACK, grid(rebound=(0.5, 2.0))),
         "bristles": ("dahl", bristles, grid(bristle_length=lengths)),
     }
 

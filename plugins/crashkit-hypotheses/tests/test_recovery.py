@@ -233,6 +233,12 @@ def rubbing(model):
     return with_joint(model, Joint("rub", ("wall", "front"), "coulomb", fixed(friction_force=4e3, slip_rate=0.05)))
 
 
+def wedging(model):
+    """Wedges grip on the way in and slip back with half of that."""
+    wedges = fixed(friction_force=6e3, slip_rate=0.1, rebound=0.5)
+    return with_joint(model, Joint("rub", ("wall", "front"), "coulomb", wedges))
+
+
 def clamping(model):
     """The more it is pressed, the more it rubs."""
     return with_factor(model, "first", "rubbing", fixed(friction_share=0.2, slip_rate=0.05))
@@ -633,6 +639,7 @@ CASES = {
     ),
     pressed_by_a_ball: (("bottoming", "power, both ways", {"joint": "first"}), {"exponent": 1.5, "stop_deformation": 0.4}),
     rubbing: (("joint_friction", "sharp", {"joint": "first"}), {"friction_force": 4e3}),
+    wedging: (("joint_friction", "two-way", {"joint": "first"}), {"friction_force": 6e3, "rebound": 0.5}),
     clamping: (("joint_friction", "in proportion", {"joint": "first"}), {"friction_share": 0.2}),
     clamped: (
         ("joint_friction", "in proportion, preloaded", {"joint": "first"}),

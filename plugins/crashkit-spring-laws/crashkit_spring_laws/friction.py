@@ -23,6 +23,7 @@ ALWAYS = ParameterSpec(
 class Coulomb(SpringLaw):
     """Dry friction: F = friction_force s(ddot / slip_rate) (1 + stick exp(-(ddot / stick_rate)^2)) g(d).
 
+    On the way back (ddot < 0) it is `rebound` times as much, as of wedges, which grip in one direction.
     s(x) = (1 - tail) tanh x + tail 2/pi atan(pi x / 2);  g = max(always, min(1, max(0, d - clearance) / engagement)).
     With `stick` it falls with the rate (Stribeck); with `tail` it is long in reaching its full force. Smooth, because a force
     that jumps with the sign of the rate would hold the joint on its jump. So what should stick creeps, by at most slip_rate;
@@ -39,6 +40,7 @@ class Coulomb(SpringLaw):
         STICK_RATE,
         CLEARANCE,
         ParameterSpec("tail", "1", "0: reached like a tanh, 1: like an atan", lower=-0.5, upper=2.5, default=0.0, null=0.0),
+        ParameterSpec("rebound", "1", "on the way back, relative to that on the way in", 0.0, 10.0, default=1.0, null=1.0),
     )
 
     @staticmethod
@@ -54,11 +56,14 @@ class Coulomb(SpringLaw):
         stick_rate: float,
         clearance: float,
         tail: float,
+        rebound: float,
     ) -> float:
         """The force, N, compression positive."""
         slip = ddot / slip_rate
         share = (1.0 - tail) * math.tanh(slip) + tail * math.atan(0.5 * math.pi * slip) / (0.5 * math.pi)
         level = 1.0 + stick * math.exp(-((ddot / stick_rate) ** 2))
+        if ddot < 0.0:
+            level = level * rebound
         return friction_force * share * level * max(always, min(1.0, max(0.0, d - clearance) / engagement))
 
 
