@@ -12,7 +12,7 @@ from crashkit.diagnose.fitting.evidence import is_strained
 from crashkit.diagnose.fitting.in_time import TimeLimit, in_time
 from crashkit.diagnose.fitting.reidentify import reidentify
 from crashkit.diagnose.fitting.search import STEPS, begin
-from crashkit.diagnose.fitting.sharpen import ROUGHLY, in_the_light_of, sharpened
+from crashkit.diagnose.fitting.sharpen import ROUGHLY, as_heard, in_the_light_of, sharpened
 from crashkit.diagnose.fitting.thinning import thinned_by
 from crashkit.diagnose.fitting.thresholds import awake
 from crashkit.diagnose.holdout import fitted_together, is_contradicted, leading_looks
@@ -91,6 +91,7 @@ def _discovered_in(
     # What strained numbers ask of the rate, the structure does not.
     if not is_strained(base):
         base = sharpened(equipped, model, recordings, base)
+    base = as_heard(base)
     awake_given = base.misfit.with_values_of(awake(equipped, given, base))
     discovery = _discovered_at_pace(Inquiry(equipped, awake_given, base, progress, recordings), looks)
     progress.show("refining", 0.0)

@@ -20,11 +20,12 @@ from crashkit.model import Model
 def refined(workshop: Workshop, discovery: Discovery, model: Model, recordings: Mapping[str, xr.DataTree]) -> Discovery:
     """The base and the final model fitted to more samples, weighed alike, and seen on every sample.
 
-    Open noise levels are now what the final model leaves. What that fit can do without is not told. Numbers that the
-    recordings do not see stay about where the user gave them.
+    Open noise levels, and those that are louder than stated, are now what the final model leaves. What that fit can do without
+    is not told. Numbers that the recordings do not see stay about where the user gave them.
     """
     workshop = workshop.equipped([discovery.base.model, discovery.final.model])
-    found = discovery.final.reweighted(discovery.final.start())
+    start = discovery.final.start()
+    found = discovery.final.reweighted(start).as_heard(start)
     thin = in_the_light_of(workshop, model, recordings, found)
     without, final = (workshop.misfit(thin, one.model) for one in (discovery.base, discovery.final))
     found_with = refine(workshop.identifier, final)

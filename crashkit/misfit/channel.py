@@ -8,7 +8,7 @@ from attrs import evolve, frozen
 
 from crashkit.data.channel_filter import frequency_class
 from crashkit.errors import CrashkitError, claimed_twice
-from crashkit.misfit.noise import HALF, Noise, channel_noise, filtered_std
+from crashkit.misfit.noise import HALF, Noise, as_heard, channel_noise, filtered_std
 from crashkit.model import Model
 from crashkit.protocols import Observer
 
@@ -120,6 +120,12 @@ def reweighted(group: Group, column: int, left: np.ndarray) -> Channel:
     resolved = RESOLUTION * float(np.nanmax(np.abs(group.recorded[:, column])))
     least = min(noise.least, max(seen, resolved))
     return evolve(channel, noise=evolve(noise, std=max(least, level), least=least))
+
+
+def as_heard_of(group: Group, column: int, left: np.ndarray) -> Channel:
+    """A channel of a group with as much noise as a model leaves of it, where that is white and the recording states less."""
+    channel = group.channels[column]
+    return evolve(channel, noise=as_heard(channel.noise, left))
 
 
 def _along(run: str, name: str, observer: Observer, dataset: xr.Dataset, model: Model) -> xr.Dataset:

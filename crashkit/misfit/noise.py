@@ -2,7 +2,7 @@
 
 import numpy as np
 import xarray as xr
-from attrs import frozen
+from attrs import evolve, frozen
 from numpy.lib.stride_tricks import sliding_window_view
 from scipy.signal import periodogram
 
@@ -12,6 +12,12 @@ HALF = 0.5
 """Of an estimate, which may be too large by as much."""
 FEWEST = 4
 """Fourth differences from which a level is estimated."""
+LOUDER = 1.1
+"""Times what is stated: noise of less is not worth telling."""
+LAGS, MANY = 3, 100
+"""Samples by which what is white is not like itself, and from how many that can be told."""
+WHITE = 2.5
+"""Standard deviations of the autocorrelation of white noise."""
 
 
 @frozen
@@ -24,12 +30,14 @@ class Noise:
         trusted: False where the level is only an estimate from a filtered channel, in which noise and signal look alike;
             what a model leaves of such a channel is then compared by its size, not by `std`.
         least: the level below which a residual no longer counts as better; the estimate may be too large by half.
+        louder: how many times what the recording states `std` is, where a model leaves white noise of more.
     """
 
     std: float
     correlation: float
     trusted: bool
     least: float = 0.0
+    louder: float = 1.0
 
     @property
     def weight(self) -> float:
@@ -70,6 +78,21 @@ def _white_std(samples: np.ndarray) -> float:
         return _positive(0.0, samples)
     # 70 = sum of squares of the binomial coefficients 1 4 6 4 1.
     return _positive(robust_std(differences) / np.sqrt(70.0), samples)
+
+
+def as_heard(noise: Noise, left: np.ndarray) -> Noise:
+    """The noise of a channel that states too little of it: of what a model leaves, `left` (time,), if all of that is white.
+
+    What a structure does that the model does not say is smooth beside it.
+    """
+    present = left[np.isfinite(left)]
+    if not noise.trusted or noise.correlation > 1.0 or len(present) < MANY:
+        return noise
+    level = float(np.sqrt(np.mean(present**2)))
+    alike = [np.mean(present[lag:] * present[:-lag]) / level**2 for lag in range(1, 1 + LAGS)]
+    if level < LOUDER * noise.std or np.max(np.abs(alike)) > WHITE / np.sqrt(len(present)):
+        return noise
+    return evolve(noise, std=level, louder=noise.louder * level / noise.std)
 
 
 def robust_std(values: np.ndarray) -> float:

@@ -1,6 +1,6 @@
 """The misfit between a model and recordings in measurement space: what an Identifier minimises."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -10,7 +10,7 @@ from attrs import evolve
 
 from crashkit.mechanics import Engine, Simulator
 from crashkit.misfit.apart import kept_apart
-from crashkit.misfit.channel import Channel, Group, groups_of, reweighted
+from crashkit.misfit.channel import Channel, Group, as_heard_of, groups_of, reweighted
 from crashkit.misfit.coarse import COARSER, coarse_group, early_group
 from crashkit.misfit.fine_step import crude_step
 from crashkit.misfit.noise import Noise
@@ -136,19 +136,26 @@ class Misfit(SearchVariables):
 
     def reweighted(self, scaled: np.ndarray) -> "Misfit":
         """The same misfit with open noise levels set to what the model leaves of those channels."""
+        return self._with_noise(scaled, reweighted)
+
+    def as_heard(self, scaled: np.ndarray) -> "Misfit":
+        """The same misfit where channels that state too little noise have what the model leaves of them, if that is white."""
+        return self._with_noise(scaled, as_heard_of)
+
+    def _with_noise(self, scaled: np.ndarray, heard: Callable[[Group, int, np.ndarray], Channel]) -> "Misfit":
         predictions = self.predictor.predict_at(self.parameters(scaled))
         left = [
             group.recorded - one.samples.reshape(group.recorded.shape)
             for group, one in zip(self.groups, predictions, strict=True)
         ]
         levels = [
-            tuple(reweighted(g, i, one[:, i]) for i in range(len(g.channels)))
-            for g, one in zip(self.groups, left, strict=True)
+            tuple(heard(g, i, one[:, i]) for i in range(len(g.channels))) for g, one in zip(self.groups, left, strict=True)
         ]
         return self._with(groups=[evolve(g, channels=own) for g, own in zip(self.groups, levels, strict=True)])
 
     def with_levels(self, levels: Mapping[tuple[str, str, str], Noise]) -> "Misfit":
-        """The same misfit with the noise levels of others for some channels, by (instrument, sensor, axis)."""
+        """The same misfit with open noise levels of others for some channels, by (instrument, sensor, axis), or, where a level
+        is stated, with as many times of it."""
         return self._with(groups=[evolve(g, channels=tuple(_levelled(c, levels) for c in g.channels)) for g in self.groups])
 
     def without_sensor(self, instrument: str, sensor: str) -> "Misfit":
@@ -226,5 +233,8 @@ def _deviance(channel: Channel, total: float) -> float:
 
 
 def _levelled(channel: Channel, levels: Mapping[tuple[str, str, str], Noise]) -> Channel:
-    level = levels.get((channel.instrument, channel.sensor, channel.axis), channel.noise)
-    return evolve(channel, noise=evolve(channel.noise, std=level.std, least=level.least))
+    own = channel.noise
+    level = levels.get((channel.instrument, channel.sensor, channel.axis), own)
+    # Of thinned recordings what is stated is less: only how much more there is holds for both.
+    std = own.std * level.louder / own.louder if own.trusted else level.std
+    return evolve(channel, noise=evolve(own, std=std, least=level.least, louder=level.louder))

@@ -28,6 +28,14 @@ def sharpened(workshop: Workshop, model: Model, recordings: Mapping[str, xr.Data
     return search
 
 
+def as_heard(search: Search) -> Search:
+    """The fit with channels that state too little noise weighed by what it leaves of them, if that is white."""
+    heard = search.fitted().as_heard(search.point)
+    if all(channel.noise.louder == 1.0 for channel in heard.channels):
+        return search
+    return begin(search.identifier, heard).advance(STEPS)
+
+
 def in_the_light_of(workshop: Workshop, model: Model, recordings: Mapping[str, xr.DataTree], found: Misfit) -> Misfit:
     """A model's misfit to recordings that are thinned in the light of a fitted one, weighed alike."""
     thin = workshop.first_misfit(model, thinned_by(workshop, recordings, found.model))
@@ -35,14 +43,16 @@ def in_the_light_of(workshop: Workshop, model: Model, recordings: Mapping[str, x
 
 
 def weighed_alike(unseen: Misfit, base: Misfit) -> Misfit:
-    """Open noise levels of a sensor are those that the calibration left, of all its runs together."""
+    """Open noise levels of a sensor, and those louder than stated, are those that the calibration left, of all its runs
+    together."""
     noises: dict[tuple[str, str, str], list[Noise]] = {}
     for channel in base.channels:
-        if not channel.noise.trusted:
+        if not channel.noise.trusted or channel.noise.louder > 1.0:
             noises.setdefault((channel.instrument, channel.sensor, channel.axis), []).append(channel.noise)
     return unseen.with_levels({sensor: _together(own) for sensor, own in noises.items()})
 
 
 def _together(noises: Sequence[Noise]) -> Noise:
     std = float(np.sqrt(np.mean([noise.std**2 for noise in noises])))
-    return evolve(noises[0], std=std, least=min(noise.least for noise in noises))
+    louder = float(np.sqrt(np.mean([noise.louder**2 for noise in noises])))
+    return evolve(noises[0], std=std, least=min(noise.least for noise in noises), louder=louder)

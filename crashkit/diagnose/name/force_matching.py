@@ -1,6 +1,7 @@
 """The numbers with which one form of a claim acts most like another: compared as forces along a motion, without simulating."""
 
 from collections.abc import Collection, Mapping, Sequence
+from functools import lru_cache
 
 import numpy as np
 import xarray as xr
@@ -29,7 +30,7 @@ def most_alike(present: Misfit, other: Misfit, names: Sequence[str], laws: Laws)
     pairs = {
         frozenset(joint.bodies) for joint in other.model.joints if any(n.startswith(f"joint.{joint.name}.") for n in names)
     }
-    motions = [_thinned(present.predictor.motion(run, present.values(present.start()))) for run in present.recordings]
+    motions = _motions(present)
     stills = [np.zeros((*motion["position"].shape[:2], 1 if motion.sizes["axis"] == 1 else 6)) for motion in motions]
     wanted = _forces(present, _tracks(present, pairs, laws, motions), stills, {})
     start, (lower, upper) = other.start(), other.bounds()
@@ -50,6 +51,12 @@ def most_alike(present: Misfit, other: Misfit, names: Sequence[str], laws: Laws)
     bounds = lower[moving], upper[moving]
     found = least_squares(difference, np.clip(start[moving], *bounds), bounds=bounds, x_scale="jac", max_nfev=EVALUATIONS)
     return values(found.x)
+
+
+@lru_cache(maxsize=4)
+def _motions(present: Misfit) -> list[xr.Dataset]:
+    """Remembered: all forms of a claim are compared with one present one."""
+    return [_thinned(present.predictor.motion(run, present.values(present.start()))) for run in present.recordings]
 
 
 def _thinned(motion: xr.Dataset) -> xr.Dataset:

@@ -42,8 +42,8 @@ def imitating(inquiry: Inquiry, table: Rival, without: Misfit) -> list[Candidate
     equipped = inquiry.workshop.equipped([proposal.model for proposal in known])
     here = tuple(f"{kind}.{name}." for kind, name in table.proposal.location.items())
     starts = [(proposal, {**proposal.null, **start}) for proposal in known for start in proposal.starts]
-    inquiry.progress(f"fitting {len(known)} causes to the force estimated at {place}", 0.0)
-    ends = spread(partial(along, equipped, origin, route=SHARES, here=here), starts)
+    told = partial(inquiry.progress, f"fitting {len(known)} causes to the force estimated at {place}")
+    ends = spread(partial(along, equipped, origin, route=SHARES, here=here), starts, lambda done: told(done / len(starts)))
     ranked = sorted(zip((proposal for proposal, _ in starts), ends, strict=True), key=lambda one: one[1][1])
     ahead = first_of_each(ranked, 1)[: FORMS[0]]
     misfits = [with_form(equipped, origin, proposal, values) for proposal, (values, _) in ahead]

@@ -12,6 +12,7 @@ from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.result import IN_WORDS, Diagnosis, Estimate, Finding, Fit, place_of
 from crashkit.diagnose.show.fits import is_beyond, is_explained, is_worse
 from crashkit.errors import SimulationError
+from crashkit.misfit import Misfit
 from crashkit.model import Model, Parameter
 from crashkit.protocols import Identification
 
@@ -60,6 +61,7 @@ def noted(discovery: Discovery, result: Identification, fits: Mapping[str, Mappi
         notes.append(f"what was found leaves {left:.2f} times the noise: the form of its law may be another, or there is more")
     notes += [str(discovery.pointer)] if discovery.findings and discovery.pointer else []
     notes += of_prediction(fits["holdout"])
+    notes += _of_loud_channels(discovery.final)
     open_levels = sorted({f"{c.instrument}/{c.sensor}" for c in discovery.final.channels if not c.noise.trusted})
     if open_levels:
         samples = discovery.final.independent_samples
@@ -68,6 +70,14 @@ def noted(discovery: Discovery, result: Identification, fits: Mapping[str, Mappi
             f"their own size, and all channels together count as about {samples:.0f} independent samples"
         )
     return tuple(notes)
+
+
+def _of_loud_channels(final: Misfit) -> list[str]:
+    louder = {f"{c.instrument}/{c.sensor}": c.noise.louder for c in final.channels if c.noise.louder > 1.0}
+    return [
+        f"the noise of {sensor} is {times:.2g} times what the recording states: what is left of it is white, and weighed so"
+        for sensor, times in sorted(louder.items())
+    ]
 
 
 def far_off(given: Model, final: Model) -> list[str]:
