@@ -19,6 +19,8 @@ from crashkit.mechanics.simulator import NO_HISTORY, Simulator, with_knots
 FORCE = "contact_force"
 BY_BODY = ("position", "velocity", "acceleration", FORCE)
 """Quantities that a record holds for each body and axis; between the ends of steps all but the force."""
+TURN = "turn"
+"""Instead of an axis of the plane: about its normal."""
 ROOMS = 8
 """Records that are kept for the next run of the same size: hundreds of models may take turns, each with some megabytes."""
 _kept = threading.local()
@@ -118,12 +120,12 @@ def entry_of(simulator: Simulator, quantity: str, body: str, axis: str) -> int |
     """Where a record of a model's runs holds a quantity of `BY_BODY`; None where it does not."""
     layout = simulator.layout
     axes, bodies = layout.axes, layout.bodies
-    if quantity not in BY_BODY or axis not in axes:
+    if quantity not in BY_BODY or axis not in (*axes, *([TURN] if len(axes) == 2 else [])):
         return None
     dof, twice = DOF[len(axes)], _of_joints(simulator)
     velocities = dof * len(bodies)
     starts = (0, velocities, twice // 2 + velocities, twice + 3 * len(layout.joints))
-    return starts[BY_BODY.index(quantity)] + dof * bodies.index(body) + axes.index(axis)
+    return starts[BY_BODY.index(quantity)] + dof * bodies.index(body) + (*axes, TURN).index(axis)
 
 
 def supports_of(simulator: Simulator, body: str) -> dict[int, float]:

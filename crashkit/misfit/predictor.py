@@ -13,6 +13,7 @@ from crashkit.mechanics.repeated_run import RepeatedRun
 from crashkit.misfit.channel import Channel, Group
 from crashkit.misfit.observed import predicted_by, values_of
 from crashkit.misfit.readout import Readout, readout_of
+from crashkit.misfit.turning_readout import TurningReadout
 from crashkit.model import Model
 from crashkit.protocols import SensorErrors
 
@@ -92,7 +93,7 @@ class Predictor:
             if readout is None:
                 motion = repeated.motion(record) if motion is None else motion
                 told[number] = self._observe(group, motion, values, sensitivities)
-            elif group.name in self._wrong:
+            elif isinstance(readout, Readout) and group.name in self._wrong:
                 told[number] = self._misread(group, readout, record, values, sensitivities)
             else:
                 told[number] = self._read(readout, record, sensitivities)
@@ -119,7 +120,7 @@ class Predictor:
         return np.unique(np.concatenate([[], *(one.nodes[one.rows] for _, one in forces if one)]))
 
     @cached_property
-    def _readouts(self) -> list[Readout | None]:
+    def _readouts(self) -> list[Readout | TurningReadout | None]:
         """What is read without a Dataset; an instrument with errors is not in several axes."""
         turning = len(self.model.axes) > 1
         return [
@@ -137,15 +138,15 @@ class Predictor:
             wrong[entry.instrument] = sorted({*wrong.get(entry.instrument, []), *entry.parameters})
         return wrong
 
-    def _read(self, readout: Readout, record: Record, sensitivities: bool) -> Prediction:
-        samples = readout.samples(record.values)
+    def _read(self, readout: Readout | TurningReadout, record: Record, sensitivities: bool) -> Prediction:
+        samples = readout.samples(record)
         if not sensitivities:
             return Prediction(samples, None)
         if len(self._columns) == len(self.names):
-            return Prediction(samples, readout.sensitivity(record.tangents))
+            return Prediction(samples, readout.sensitivity(record))
         table = np.zeros((*samples.shape, len(self.names)))
         if self._columns:
-            table[:, :, self._columns] = readout.sensitivity(record.tangents)
+            table[:, :, self._columns] = readout.sensitivity(record)
         return Prediction(samples, table)
 
     def _misread(self, group: Group, readout: Readout, record: Record, values: Floats, sensitivities: bool) -> Prediction:

@@ -154,8 +154,8 @@ class Misfit(SearchVariables):
         return self._with(groups=[evolve(g, channels=own) for g, own in zip(self.groups, levels, strict=True)])
 
     def with_levels(self, levels: Mapping[tuple[str, str, str], Noise]) -> "Misfit":
-        """The same misfit with open noise levels of others for some channels, by (instrument, sensor, axis), or, where a level
-        is stated, with as many times of it."""
+        """The same misfit with the noise levels of others for some channels, by (instrument, sensor, axis); of those that are
+        louder than stated with as many times what is stated here."""
         return self._with(groups=[evolve(g, channels=tuple(_levelled(c, levels) for c in g.channels)) for g in self.groups])
 
     def without_sensor(self, instrument: str, sensor: str) -> "Misfit":
@@ -236,5 +236,5 @@ def _levelled(channel: Channel, levels: Mapping[tuple[str, str, str], Noise]) ->
     own = channel.noise
     level = levels.get((channel.instrument, channel.sensor, channel.axis), own)
     # Of thinned recordings what is stated is less: only how much more there is holds for both.
-    std = own.std * level.louder / own.louder if own.trusted else level.std
+    std = own.std * level.louder / own.louder if level.louder > 1.0 else level.std
     return evolve(channel, noise=evolve(own, std=std, least=level.least, louder=level.louder))

@@ -11,7 +11,8 @@ from crashkit.mechanics import Simulator
 from crashkit.mechanics.kernel.arrays import Floats, Integers, Record
 from crashkit.mechanics.repeated_run import FORCE, entry_of, supports_of
 from crashkit.misfit.channel import Group
-from crashkit.protocols import Misread, PlainObserver, SensorErrors, Shown
+from crashkit.misfit.turning_readout import TurningReadout, turning_readout_of
+from crashkit.protocols import Misread, PlainObserver, SensorErrors, Shown, TurningReading
 
 
 @frozen(eq=False)
@@ -43,15 +44,15 @@ class Readout:
     instrument: xr.Dataset
     nodes: Floats
 
-    def samples(self, values: Floats) -> Floats:
-        """(time, channel) from the values of a record."""
-        return self._read(values) + self.offset
+    def samples(self, record: Record) -> Floats:
+        """(time, channel)."""
+        return self._read(record.values) + self.offset
 
-    def sensitivity(self, tangents: Floats) -> Floats:
-        """(time, channel, column) from the tangents of a record."""
-        if tangents.shape[2] == 0:
+    def sensitivity(self, record: Record) -> Floats:
+        """(time, channel, column)."""
+        if record.tangents.shape[2] == 0:
             return np.zeros((self.nodes[self.rows].size, len(self.entries), 0))
-        return self._read(tangents)
+        return self._read(record.tangents)
 
     def misread(self, record: Record, errors: SensorErrors, wanted: Sequence[str], sensitivities: bool) -> Misread:
         """What the instrument records with these errors, with derivatives to those that are wanted and to the model's."""
@@ -83,7 +84,9 @@ class Readout:
         return self.filter.filtered(shown, 0.0) if self.filter else shown
 
 
-def readout_of(group: Group, simulator: Simulator, nodes: Floats, turning: bool, tolerance: float) -> Readout | None:
+def readout_of(
+    group: Group, simulator: Simulator, nodes: Floats, turning: bool, tolerance: float
+) -> Readout | TurningReadout | None:
     """The readout of a group; None where only its observer knows what it reads.
 
     Arguments:
@@ -95,22 +98,28 @@ def readout_of(group: Group, simulator: Simulator, nodes: Floats, turning: bool,
     if not isinstance(group.observer, PlainObserver):
         return None
     reading = group.observer.reading(group.dataset, turning)
-    if reading is None:
+    if reading is None or group.times.max(initial=0.0) > nodes[-1] + tolerance:
         return None
+    rows, cfc = _spread(np.searchsorted(nodes, np.maximum(group.times - tolerance, 0.0))), frequency_class(group.dataset)
+    early, filter = (
+        group.times[group.times < 0.0],
+        ChannelFilter.of(group.times, cfc) if cfc and len(group.times) > 1 else None,
+    )
+    if isinstance(reading, TurningReading):
+        return turning_readout_of(reading, simulator, rows, early, filter, nodes)
     places = list(zip(reading.bodies, reading.axes, strict=True))
     entries = [entry_of(simulator, reading.quantity, body, axis) for body, axis in places]
-    if None in entries or group.times.max(initial=0.0) > nodes[-1] + tolerance:
+    if None in entries:
         return None
-    cfc = frequency_class(group.dataset)
     rates = [entry_of(simulator, "velocity", body, axis) for body, axis in places] if reading.quantity == "position" else []
     return Readout(
-        rows=_spread(np.searchsorted(nodes, np.maximum(group.times - tolerance, 0.0))),
+        rows=rows,
         entries=np.array(entries, int),
         unfelt=[supports_of(simulator, body) for body, _ in places] if reading.quantity == FORCE else [],
         rates=np.array(rates, int),
-        early=group.times[group.times < 0.0],
+        early=early,
         is_still=reading.quantity not in ("position", "velocity"),
-        filter=ChannelFilter.of(group.times, cfc) if cfc and len(group.times) > 1 else None,
+        filter=filter,
         offset=reading.offset,
         observer=group.observer,
         instrument=group.dataset,

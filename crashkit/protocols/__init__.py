@@ -3,7 +3,7 @@
 from crashkit.protocols.hypothesis import Hypothesis, Proposal
 from crashkit.protocols.identifier import Identification, Identifier, Problem, Regression, Status, advanced
 from crashkit.protocols.importer import Importer
-from crashkit.protocols.observer import Misread, Observer, PlainObserver, Reading, SensorErrors, Shown
+from crashkit.protocols.observer import Misread, Observer, PlainObserver, Reading, SensorErrors, Shown, TurningReading
 from crashkit.protocols.parameter import ParameterSpec
 from crashkit.protocols.smoother import Smoother
 from crashkit.protocols.spring_law import Laws, SpringLaw
@@ -24,6 +24,7 @@ __all__ = [
     "Regression",
     "SensorErrors",
     "Shown",
+    "TurningReading",
     "Smoother",
     "SpringLaw",
     "Status",

@@ -76,6 +76,29 @@ class Reading:
 
 
 @frozen(eq=False)
+class TurningReading:
+    """What such an instrument reads at points of bodies that turn in the plane.
+
+    Of a position that of the point, in the laboratory's frame; of an acceleration that of the point, along the axes of the
+    laboratory, or of its body. Filtered likewise; before t = 0 the motion is uniform, and nothing is felt.
+
+    Arguments:
+        quantity: `position` or `acceleration`.
+        bodies, channels: names, and the axis of each channel in the order of the recorded quantity without its time.
+        axes: of the instrument.
+        points: of the channels in the frames of their bodies, (channel, axis) m.
+        own_axes: whether the channels' axes turn with the body.
+    """
+
+    quantity: str
+    bodies: tuple[str, ...]
+    channels: tuple[str, ...]
+    axes: tuple[str, ...]
+    points: np.ndarray
+    own_axes: bool = False
+
+
+@frozen(eq=False)
 class Shown:
     """What the channels of an instrument would read without errors and filter.
 
@@ -112,7 +135,7 @@ class PlainObserver(Observer):
     """An observer whose instruments may show single numbers of the motion, so that a search need not build a Dataset."""
 
     @abstractmethod
-    def reading(self, instrument: xr.Dataset, turning: bool) -> Reading | None:
+    def reading(self, instrument: xr.Dataset, turning: bool) -> Reading | TurningReading | None:
         """What it reads, where that is all there is to it; None where only `predict` knows.
 
         Arguments:

@@ -9,7 +9,7 @@ from crashkit.data.instrument_errors import CLOCK_ERRORS, ROCKING
 from crashkit.data.schema import GroupSchema, Variable
 from crashkit.data.schemas import CHANNEL_FREQUENCY_CLASS, FRAME
 from crashkit.errors import CrashkitError
-from crashkit.protocols import Misread, PlainObserver, Reading, SensorErrors, Shown
+from crashkit.protocols import Misread, PlainObserver, Reading, SensorErrors, Shown, TurningReading
 from crashkit_accelerometers.chain import Own
 from crashkit_accelerometers.error_specs import AXES, LEAN, POSITION_ERRORS, channel_errors
 from crashkit_accelerometers.point_acceleration import felt_by_points
@@ -72,11 +72,14 @@ class Accelerometer(PlainObserver):
             felt = felt_in_laboratory(self, motion, "acceleration", bodies)
         return predict_channels(self, motion, instrument, own, felt)
 
-    def reading(self, instrument: xr.Dataset, turning: bool) -> Reading | None:
-        """The accelerations of the bodies; None where sensors turn with them, or sit away from a centre of mass that turns."""
-        if turning and (instrument.attrs.get("frame") == "body" or instrument.variables["sensor_point"].values.any()):
-            return None
-        return plain_reading(instrument, "acceleration")
+    def reading(self, instrument: xr.Dataset, turning: bool) -> Reading | TurningReading:
+        """The accelerations of the bodies, or those of the sensors' points, which may turn with them."""
+        plain, own_axes = plain_reading(instrument, "acceleration"), instrument.attrs.get("frame") == "body"
+        points = instrument.variables["sensor_point"].values
+        if not turning or not (own_axes or points.any()):
+            return plain
+        axes = tuple(instrument.variables["axis"].values.tolist())
+        return TurningReading("acceleration", plain.bodies, plain.axes, axes, points.repeat(len(axes), axis=0), own_axes)
 
     def misread(self, shown: Shown, instrument: xr.Dataset, errors: SensorErrors, wanted: Sequence[str]) -> Misread:
         """As `PlainObserver.misread` says."""

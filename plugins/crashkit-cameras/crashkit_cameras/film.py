@@ -8,7 +8,7 @@ import xarray as xr
 from crashkit.data.instrument_errors import CLOCK, CLOCK_ERRORS, ROCKING, error_values, prediction_coordinates, true_times
 from crashkit.data.schema import GroupSchema, Variable
 from crashkit.data.schemas import body_of, point_of, std_of
-from crashkit.protocols import Misread, ParameterSpec, PlainObserver, Reading, SensorErrors, Shown
+from crashkit.protocols import Misread, ParameterSpec, PlainObserver, Reading, SensorErrors, Shown, TurningReading
 from crashkit_cameras.body_motion import body_motion
 from crashkit_cameras.marker_motion import MarkerMotion, marker_motion, shown_motion
 from crashkit_cameras.rocking import Rocking
@@ -61,14 +61,14 @@ class Film(PlainObserver):
             predicted["position_sensitivity"] = xr.Variable((*DIMS, "parameter"), read.slope)
         return xr.Dataset(predicted, prediction_coordinates(self, motion, instrument))
 
-    def reading(self, instrument: xr.Dataset, turning: bool) -> Reading | None:
-        """The positions of the bodies, shifted by the markers' points; None for markers that turn about their bodies."""
+    def reading(self, instrument: xr.Dataset, turning: bool) -> Reading | TurningReading:
+        """The positions of the bodies, shifted by the markers' points, which may turn with them."""
         points = instrument.variables["marker_point"].values
+        axes = tuple(instrument.variables["axis"].values.tolist())
+        bodies = tuple(body for body in instrument.variables["marker_body"].values.tolist() for _ in axes)
         if turning and points.any():
-            return None
-        axes = instrument.variables["axis"].values.tolist()
-        bodies = [body for body in instrument.variables["marker_body"].values.tolist() for _ in axes]
-        return Reading("position", tuple(bodies), tuple(axes) * len(points), points.ravel())
+            return TurningReading("position", bodies, axes * len(points), axes, points.repeat(len(axes), axis=0))
+        return Reading("position", bodies, axes * len(points), points.ravel())
 
     def misread(self, shown: Shown, instrument: xr.Dataset, errors: SensorErrors, wanted: Sequence[str]) -> Misread:
         """As `PlainObserver.misread` says."""

@@ -56,7 +56,8 @@ def _is_plain(misfit: Misfit, group: Group) -> bool:
 
 def _reading(misfit: Misfit, group: Group) -> Reading | None:
     turning = len(misfit.model.axes) > 1
-    return group.observer.reading(group.dataset, turning) if isinstance(group.observer, PlainObserver) else None
+    reading = group.observer.reading(group.dataset, turning) if isinstance(group.observer, PlainObserver) else None
+    return reading if isinstance(reading, Reading) else None
 
 
 def _weights(misfit: Misfit, residual: np.ndarray) -> Mapping[str, xr.Dataset]:

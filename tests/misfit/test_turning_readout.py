@@ -1,0 +1,95 @@
+"""Points of bodies that turn in the plane are read without a Dataset, and between steps; as the observers say."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from attrs import evolve
+
+from crashkit.misfit import Misfit, predictor
+from crashkit.misfit.turning_readout import TurningReadout
+from crashkit.model import Body, Joint, Model, Parameter
+
+INSTANTS = np.arange(401) * 1e-4
+BEFORE = 0.01
+"""s, from before contact."""
+POINTS = {"x": 0.2, "z": -0.1}
+
+
+@pytest.fixture
+def swinging() -> Model:
+    """A body in the plane that turns already, and hangs on a spring at a point of its own."""
+    wall = Body("wall", (0.0, 0.0), (0.0, 0.0), fixed=True)
+    bob = Body(
+        "bob",
+        (0.4, -0.5),
+        (2.0, 0.5),
+        Parameter(50.0, 5.0, 500.0),
+        inertia=(Parameter(2.0, 0.2, 20.0),),
+        orientation=(0.4,),
+        angular_velocity=(3.0,),
+    )
+    rod = Joint("rod", ("wall", "bob"), "tie", {"stiffness": Parameter(4e5, 1e4, 1e7)}, points=((0.0, 0.0), (-0.3, 0.1)))
+    return Model("swinging", ("x", "z"), (wall, bob), (rod,))
+
+
+def instrument(quantity, channel, std, units, axes, **attributes):
+    """One channel off the centre of the body, in some axes."""
+    return xr.DataTree(
+        xr.Dataset(
+            {
+                quantity: (("time", channel, "axis"), np.zeros((len(INSTANTS), 1, len(axes))), {"units": units}),
+                f"{channel}_body": (channel, ["bob"]),
+                f"{channel}_point": ((channel, "axis"), [[POINTS[axis] for axis in axes]], {"units": "m"}),
+                f"{quantity}_std": (channel, [std], {"units": units}),
+            },
+            {"time": ("time", INSTANTS - BEFORE, {"units": "s"}), channel: ["edge"], "axis": list(axes)},
+            attributes,
+        )
+    )
+
+
+@pytest.fixture
+def seen(registry, swinging):
+    def make(axes="xz", frame="body", frequency_class=0, model=swinging):
+        told = {"observer": "accelerometer", "frame": frame, "channel_frequency_class": frequency_class}
+        film = instrument("position", "marker", 1e-3, "m", axes, observer="film")
+        box = instrument("acceleration", "sensor", 1.0, "m s-2", axes, **told)
+        run = xr.DataTree.from_dict({"film": film, "box": box})
+        return Misfit(model, {"run": run}, registry.spring_laws, registry.observers).with_step(4e-4)
+
+    return make
+
+
+def told_by(misfit):
+    start = misfit.start()
+    return misfit.residual(start), *misfit.residual_and_jacobian(start)
+
+
+@pytest.mark.parametrize("axes", ["xz", "z"])
+@pytest.mark.parametrize(("frame", "frequency_class"), [("body", 0), ("laboratory", 0), ("body", 180)])
+def test_a_point_is_read_as_its_observer_says(seen, monkeypatch, axes, frame, frequency_class):
+    fast = seen(axes, frame, frequency_class)
+    assert all(isinstance(one, TurningReadout) for one in fast.predictor._readouts)
+    got = told_by(fast)
+    monkeypatch.setattr(predictor, "readout_of", lambda *_: None)
+    for one, other in zip(got, told_by(seen(axes, frame, frequency_class)), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9 * np.abs(other).max())
+
+
+def test_a_point_is_read_between_steps(seen, registry, monkeypatch):
+    monkeypatch.setattr(predictor, "readout_of", lambda *_: None)
+    between = seen()
+    assert between.predictor.longest_step == pytest.approx(INSTANTS[-1] - BEFORE)
+    got = told_by(between)
+    for name in ("film", "accelerometer"):
+        monkeypatch.setattr(registry.observers[name], "of_motion", False)
+    at_each = seen()
+    assert at_each.predictor.longest_step == pytest.approx(1e-4)
+    for one, other in zip(got, told_by(at_each), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-3, atol=1e-3 * np.abs(other).max())
+
+
+def test_where_no_number_of_the_structure_is_free_there_are_no_columns(seen, swinging):
+    known = {path: evolve(one, fixed=True) for path, one in swinging.free_parameters().items()}
+    _, jacobian = (one := seen(model=swinging.with_parameters(known))).residual_and_jacobian(one.start())
+    assert jacobian.shape == (4 * len(INSTANTS), 0)
