@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 import xarray as xr
+from attrs import evolve
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from crashkit.data.channel_filter import filter_channel
-from crashkit.misfit import channel_noise
+from crashkit.misfit import Noise, channel_noise
+from crashkit.misfit.noise import as_heard
 
 TIMES = np.arange(2000) * 1e-4
 PULSE = 200.0 * np.sin(np.pi * TIMES / 0.2) ** 2
@@ -89,3 +91,33 @@ def test_too_few_readings_for_an_estimate_still_give_a_level(present):
     samples = np.full(50, np.nan)
     samples[:present] = 1.0
     assert channel_noise(instrument(), "position", 0, samples, TIMES[:50]).std > 0.0
+
+
+def test_a_channel_that_states_too_little_noise_has_what_is_left_of_it_if_that_is_white():
+    heard = as_heard(Noise(0.6, 1.0, trusted=True), NOISE)
+    assert heard.std == pytest.approx(1.0, rel=0.05)
+    assert heard.louder == pytest.approx(heard.std / 0.6)
+    again = as_heard(evolve(heard, std=0.5 * heard.std), NOISE)
+    assert again.std == heard.std
+    assert again.louder == pytest.approx(2.0 * heard.louder)
+
+
+SMOOTH = 0.5 * np.sin(np.arange(TIMES.size) / 20.0)
+
+
+@pytest.mark.parametrize(
+    ("noise", "left"),
+    [
+        (Noise(0.6, 1.0, trusted=True), NOISE + SMOOTH),
+        (Noise(0.6, 1.0, trusted=True), filter_channel(NOISE, TIMES, 600)),
+        (Noise(0.6, 1.0, trusted=True), np.sqrt(2.0) * np.sin(0.5 * np.pi * np.arange(TIMES.size))),
+        (Noise(0.95, 1.0, trusted=True), NOISE),
+        (Noise(3.0, 1.0, trusted=True), NOISE),
+        (Noise(0.6, 16.0, trusted=True), NOISE),
+        (Noise(0.6, 1.0, trusted=False), NOISE),
+        (Noise(0.6, 1.0, trusted=True), NOISE[:50]),
+    ],
+    ids=["structure", "filtered", "ringing", "hardly more", "less", "stated of filtered", "open", "few"],
+)
+def test_a_level_stays_where_what_is_left_may_be_more_than_noise(noise, left):
+    assert as_heard(noise, left) == noise
