@@ -116,6 +116,14 @@ def test_where_nothing_is_concealed_nothing_is_found(nothing):
     assert nothing.summary.startswith("Simulation and recordings agree")
 
 
+def test_noise_of_which_too_little_is_stated_is_no_physics(diagnosed):
+    told = diagnosed(accelerometer=lambda dataset: dataset.assign(acceleration_std=0.6 * dataset["acceleration_std"]))
+    assert told.verdict == "consistent" and told.findings == ()
+    for fits in told.fits.values():
+        assert fits["after"].normalised_rmse == pytest.approx(1.0, abs=0.08)
+    assert any(note.startswith("the noise of accelerometer/front_sensor is 1.") for note in told.notes)
+
+
 def test_the_models_own_parameters_are_re_identified(nothing, model):
     for path, true in model.free_parameters().items():
         assert nothing.base_model.parameters()[path].value == pytest.approx(true.value, rel=0.01), path
