@@ -209,15 +209,16 @@ def test_a_factor_multiplies_one_of_them():
         "stick_rate",
         "clearance",
         "tail",
+        "rebound",
     ]
-    force = law.force(0.3, 2.0, 0.3, 1e5, 0.1, 0.5, 3e3, 0.05, 1.0, 1e-3, 0.0, 1.0, 0.0, 0.0)
+    force = law.force(0.3, 2.0, 0.3, 1e5, 0.1, 0.5, 3e3, 0.05, 1.0, 1e-3, 0.0, 1.0, 0.0, 0.0, 1.0)
     assert force == pytest.approx(2.0 * 2e4 + 3e3 * math.tanh(40.0))
 
 
 def test_signs_bind_in_their_order():
     law = BOOK["coulomb | crush_plateau + peak * rate_linear"]
     assert [part.name for part in law.parts] == ["coulomb", "crush_plateau", "peak", "rate_linear"]
-    friction, member = (3e3, 0.05, 1.0, 1e-3, 0.0, 1.0, 0.0, 0.0), (ALPHA, DELTA, GAMMA, BETA, 0.0, 0.0, 0.0, 0.0, 0.0)
+    friction, member = (3e3, 0.05, 1.0, 1e-3, 0.0, 1.0, 0.0, 0.0, 1.0), (ALPHA, DELTA, GAMMA, BETA, 0.0, 0.0, 0.0, 0.0, 0.0)
     force = law.force(0.01, 1.0, 0.01, *friction, *member, P, PEAK, 1.0, 0.5)
     assert force == pytest.approx(3e3 * math.tanh(20.0) + 1.5 * (plateau(0.01) + peak(0.01)))
 
