@@ -779,6 +779,7 @@ LATE = {
     stopped,
     pressed_by_a_ball,
     pressed_by_rubber,
+    wedging,
     clamping,
     clamped,
     rubbing_in_its_gap,
