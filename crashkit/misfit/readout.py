@@ -74,7 +74,7 @@ class Readout:
         return shown
 
     def _read(self, record: Floats) -> Floats:
-        # a slice of a record is no copy; of other rows, those of the entries alone are a smaller one
+        # A slice of a record is no copy; of other rows, those of the entries alone are a smaller one.
         shown = self._felt(record[self.rows]) if isinstance(self.rows, slice) else self._felt(record)[self.rows]
         before = len(self.early)
         if before and self.is_still:
@@ -100,11 +100,9 @@ def readout_of(
     reading = group.observer.reading(group.dataset, turning)
     if reading is None or group.times.max(initial=0.0) > nodes[-1] + tolerance:
         return None
-    rows, cfc = _spread(np.searchsorted(nodes, np.maximum(group.times - tolerance, 0.0))), frequency_class(group.dataset)
-    early, filter = (
-        group.times[group.times < 0.0],
-        ChannelFilter.of(group.times, cfc) if cfc and len(group.times) > 1 else None,
-    )
+    rows = _as_slice(np.searchsorted(nodes, np.maximum(group.times - tolerance, 0.0)))
+    early, cfc = group.times[group.times < 0.0], frequency_class(group.dataset)
+    filter = ChannelFilter.of(group.times, cfc) if cfc and len(group.times) > 1 else None
     if isinstance(reading, TurningReading):
         return turning_readout_of(reading, simulator, rows, early, filter, nodes)
     places = list(zip(reading.bodies, reading.axes, strict=True))
@@ -127,7 +125,7 @@ def readout_of(
     )
 
 
-def _spread(rows: Integers) -> Integers | slice:
+def _as_slice(rows: Integers) -> Integers | slice:
     """Rows that are evenly spread as a slice, which is read many times faster."""
     steps = np.diff(rows)
     if not len(steps) or steps[0] < 1 or (steps != steps[0]).any():
