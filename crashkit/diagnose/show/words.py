@@ -75,7 +75,7 @@ def noted(discovery: Discovery, result: Identification, fits: Mapping[str, Mappi
 def _of_loud_channels(final: Misfit) -> list[str]:
     louder = {f"{c.instrument}/{c.sensor}": c.noise.louder for c in final.channels if c.noise.louder > 1.0}
     return [
-        f"the noise of {sensor} is {times:.2g} times what is stated, or its readings suggest: what is left is white, and weighed so"
+        f"the noise of {sensor} is {times:.2g} times what is stated, or estimated: what is left is white, and weighed so"
         for sensor, times in sorted(louder.items())
     ]
 
