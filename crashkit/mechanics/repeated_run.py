@@ -18,7 +18,7 @@ from crashkit.mechanics.simulator import NO_HISTORY, Simulator, with_knots
 
 FORCE = "contact_force"
 BY_BODY = ("position", "velocity", "acceleration", FORCE)
-"""Quantities that a record holds for each body and axis; between the ends of steps all but the force."""
+"""Quantities that a record holds for each body and axis."""
 TURN = "turn"
 """Instead of an axis of the plane: about its normal."""
 ROOMS = 8
@@ -36,7 +36,7 @@ class RepeatedRun:
         values: by path, of others that keep a value that is not the model's.
         initial: the state at t = 0, as `Simulator.run` takes it.
         step: s, longest step of the integration.
-        stops: s, where steps end; None: at all times. Between them only positions, velocities and accelerations are known.
+        ends_at_all: whether a step ends at each of the times; between the ends of steps orientations in space are not known.
     """
 
     def __init__(
@@ -47,16 +47,14 @@ class RepeatedRun:
         values: Mapping[str, float] | None = None,
         initial: xr.Dataset | None = None,
         step: float = 1e-4,
-        stops: Floats | None = None,
+        ends_at_all: bool = True,
     ) -> None:
         self.times, self.paths = times, tuple(paths)
         self._simulator, self._step = simulator, step
         self._layout = prepare(simulator.layout, values or {}, initial)
         self._places = [self._layout.place(path) for path in paths]
         self._is_structural = any(name != "parameters" for name, _ in self._places)
-        self.stops = with_knots(times if stops is None else np.union1d(stops, times[-1:]), self._layout)
-        self._instants = times if stops is not None else self.stops
-        self._rows = np.searchsorted(self._instants, times)
+        self.stops = with_knots(times if ends_at_all else times[-1:], self._layout)
         self._arrays: dict[bool, tuple[Work, Work]] = {}
         self._blank: dict[tuple[str, ...], xr.Dataset] = {}
 
@@ -69,14 +67,12 @@ class RepeatedRun:
         for (name, index), value in zip(self._places, values.tolist(), strict=True):
             getattr(self._layout, name)[index] = value
         work = self._begin(sensitivities)
-        record = _room(work, len(self._layout.axes), self._instants.size)
+        record = _room(work, len(self._layout.axes), self.times.size)
         integrate = self._simulator.engine.module.integrate
-        status, joint, t, _ = integrate(self._instants, self.stops, self._step, *work, *record, NO_HISTORY)
+        status, joint, t, _ = integrate(self.times, self.stops, self._step, *work, *record, NO_HISTORY)
         if status != DONE:
             raise SimulationError(self._simulator.sentence(status, joint, t))
-        if self._instants is self.times:
-            return record
-        return Record(*(array[self._rows] if array.shape[0] else array for array in record))
+        return record
 
     def motion(self, record: Record) -> xr.Dataset:
         """What a record tells, as `Simulator.run` returns it."""

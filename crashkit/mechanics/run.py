@@ -10,7 +10,7 @@ from attrs import evolve
 from scipy.spatial.transform import Rotation
 
 from crashkit.mechanics.engine import Engine
-from crashkit.mechanics.kernel.arrays import BODY, FUNCTION, JOINT, REST, STAGES, START, Floats, Record, Records, Work
+from crashkit.mechanics.kernel.arrays import BODY, FORCES, FUNCTION, JOINT, REST, STAGES, START, Floats, Record, Records, Work
 from crashkit.mechanics.layout import DOF, Layout, memory_rate
 
 ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
@@ -94,8 +94,8 @@ def work_of(layout: Layout, engine: Engine, paths: Sequence[str]) -> Work:
         columns=np.full(layout.parameters.size, -1),
         partials=np.zeros((functions.size, 4 + widest)),
         tangent=np.zeros((STAGES, 2 * size, columns)),
-        joint_tangent=np.zeros((len(layout.joints), 5, columns)),
-        net_tangent=np.zeros((n if columns else 0, columns)),
+        joint_tangent=np.zeros((len(layout.joints), FORCES + STAGES, columns)),
+        net_tangent=np.zeros((STAGES, n if columns else 0, columns)),
     )
     work.state[START, : 2 * n] = layout.start.ravel()
     for column, path in enumerate(paths):

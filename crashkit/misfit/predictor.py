@@ -104,20 +104,15 @@ class Predictor:
         """Made for the first prediction: many models are never asked for one."""
         return {
             run: RepeatedRun(
-                self.simulator, times, self._structural, self._fixed, self._initial[run], self.step, self._stops(run)
+                self.simulator, times, self._structural, self._fixed, self._initial[run], self.step, self._steps_end_at_all
             )
             for run, times in self._times.items()
         }
 
-    def _stops(self, run: str) -> Floats | None:
-        """Where steps of a run end: at the instants at which forces are read, or at all where an observer looks for forces
-        itself, or for orientations in space."""
-        own = [(group, one) for group, one in zip(self.groups, self._readouts, strict=True) if group.run == run]
-        in_space = len(self.model.axes) == 3
-        forces = [(group, one) for group, one in own if not group.observer.of_motion or (in_space and one is None)]
-        if any(one is None or group.name in self._wrong for group, one in forces):
-            return None
-        return np.unique(np.concatenate([[], *(one.nodes[one.rows] for _, one in forces if one)]))
+    @property
+    def _steps_end_at_all(self) -> bool:
+        """Whether steps end at every instant: only there the orientations of bodies in space are known."""
+        return len(self.model.axes) == 3 and None in self._readouts
 
     @cached_property
     def _readouts(self) -> list[Readout | TurningReadout | None]:

@@ -80,7 +80,7 @@ def search_interval(filter_class: int) -> float:
 def in_step(times: np.ndarray, factor: int, margin: int = 0) -> np.ndarray:
     """Every so many of evenly spaced samples, those at multiples of that interval from t = 0.
 
-    There other instruments are read too, and a simulation, which stops wherever something is read, takes fewer steps.
+    There other instruments are read too, and a simulation has fewer instants to tell.
 
     Arguments:
         margin: samples at both ends that are not taken.

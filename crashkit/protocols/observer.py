@@ -26,8 +26,6 @@ class Observer(ABC):
         channel: its dimension of channels, "marker" or "sensor".
         errors: the instrument's own error parameters; at their `null` the instrument is perfect.
         instrument_errors: names of those errors that the whole instrument shares (its clock).
-        of_motion: whether it reads how bodies move and no forces, which a motion only tells where a step of the integration
-            ends: for others a search lets one end at each of their time stamps.
     """
 
     name: ClassVar[str]
@@ -36,7 +34,6 @@ class Observer(ABC):
     channel: ClassVar[str]
     errors: ClassVar[tuple[ParameterSpec, ...]] = ()
     instrument_errors: ClassVar[tuple[str, ...]] = ()
-    of_motion: ClassVar[bool] = False
 
     @abstractmethod
     def predict(self, motion: xr.Dataset, instrument: xr.Dataset, errors: SensorErrors | None = None) -> xr.Dataset:

@@ -7,16 +7,18 @@ from crashkit.mechanics.repeated_run import RepeatedRun
 
 TIMES = np.linspace(0.0, 0.08, 401)
 STEP = 5e-4
+BODIES, JOINTS = 4, 4
+DOF = {1: 1, 2: 3, 3: 6}
 
 
 @pytest.fixture
 def runs(car, simulator):
-    """Records of a crash with sensitivities: steps that end at some of the times, or at all of them and are short."""
+    """Records of a crash with sensitivities: steps that end at the last of the times only, or at all of them."""
 
-    def run(axes, stops, step=STEP):
+    def run(axes, ends_at_all, step=STEP):
         model = car(axes)
         paths = list(model.free_parameters())
-        repeated = RepeatedRun(simulator(model), TIMES, paths, step=step, stops=stops)
+        repeated = RepeatedRun(simulator(model), TIMES, paths, step=step, ends_at_all=ends_at_all)
         values = np.array([model.free_parameters()[path].value for path in paths])
         record = repeated.record(values, sensitivities=True)
         return record.values.copy(), record.tangents.copy()
@@ -24,33 +26,38 @@ def runs(car, simulator):
     return run
 
 
-def motions(values, tangents, axes):
-    """Positions, velocities and accelerations, without what is about axes: those of space have rotations of a step."""
-    size = {1: 1, 2: 3, 3: 6}[axes]
-    bodies = [i for i in range(size * 2) if i % size < axes]
-    return values[:, bodies], tangents[:, bodies]
+def parts(values, tangents, axes):
+    """Positions, velocities, accelerations; forces, deformations and rates of joints; forces on bodies; with derivatives.
+
+    Without what is about axes in space: positions there are rotations of a step.
+    """
+    n = BODIES * DOF[axes]
+    straight = np.array([i for i in range(n) if i % DOF[axes] < axes])
+    joints = 4 * n + 3 * np.arange(JOINTS)
+    nets = 4 * n + 3 * JOINTS + np.arange(n)
+    kinds = straight, n + straight, 3 * n + straight, joints, joints + 1, joints + 2, nets
+    return [(values[:, kind], tangents[:, kind]) for kind in kinds]
 
 
 @pytest.mark.parametrize("axes", [1, 2, 3])
-def test_motions_between_the_ends_of_steps_are_those_of_steps_that_end_there(runs, axes):
-    told, exact = runs(axes, TIMES[:0]), runs(axes, None, 2e-5)
-    for between, there in zip(motions(*told, axes), motions(*exact, axes), strict=True):
-        np.testing.assert_allclose(between, there, atol=1e-5 * np.abs(there).max())
+def test_between_the_ends_of_steps_all_is_as_if_they_ended_there(runs, axes):
+    passing, ending = parts(*runs(axes, False), axes), parts(*runs(axes, True, 2e-5), axes)
+    for kind, there in zip(passing, ending, strict=True):
+        for one, other in zip(kind, there, strict=True):
+            np.testing.assert_allclose(one, other, atol=1e-5 * np.abs(other).max())
 
 
 @pytest.mark.parametrize("axes", [1, 2])
-def test_their_error_falls_with_the_third_power_of_the_step_or_faster(runs, axes):
-    exact, _ = motions(*runs(axes, None, 1e-5), axes)
-    errors = [np.abs(motions(*runs(axes, TIMES[:0], step), axes)[0] - exact).max() for step in (1e-3, 5e-4)]
-    assert errors[1] < errors[0] / 7.0
+def test_the_error_falls_with_the_third_power_of_the_step_or_faster(runs, axes):
+    exact = parts(*runs(axes, True, 1e-5), axes)
+    longer, shorter = (parts(*runs(axes, False, step), axes) for step in (1e-3, 5e-4))
+    for (there, _), (one, _), (other, _) in zip(exact, longer, shorter, strict=True):
+        assert np.abs(other - there).max() < np.abs(one - there).max() / 7.0
 
 
-def test_forces_are_known_where_steps_end_and_nowhere_else(runs):
-    some = TIMES[::4]
-    values, _ = runs(1, some)
-    everywhere, _ = runs(1, None)
-    forces = np.isnan(values).any(axis=0)
-    assert forces.any() and not np.isnan(values[::4]).any()
-    assert np.isnan(values[1::4][:, forces]).all()
-    scale = np.abs(everywhere).max(axis=0)
-    np.testing.assert_allclose(values[::4], everywhere[::4], atol=1e-4 * scale.max())
+def test_only_orientations_in_space_are_not_known_between_the_ends_of_steps(runs):
+    for axes in (1, 2, 3):
+        values, _ = runs(axes, False)
+        unknown = np.isnan(values).any(axis=0)
+        assert unknown.sum() == (4 * BODIES if axes == 3 else 0) and not unknown[: values.shape[1] - 4 * BODIES].any()
+        assert not np.isnan(runs(axes, True)[0]).any()

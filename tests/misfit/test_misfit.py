@@ -101,8 +101,8 @@ def test_what_is_read_without_a_motion_is_what_the_observer_says_of_it(
         one = misfit(wrong, run=run).with_step(2e-5)
         told.append((one.residual(one.start()), *one.residual_and_jacobian(one.start())))
         monkeypatch.setattr(predictor, "readout_of", lambda *_: None)
-    (*without, slopes), (*of_motion, others) = told
-    for one, other in zip(without, of_motion, strict=True):
+    (*without, slopes), (*with_motion, others) = told
+    for one, other in zip(without, with_motion, strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-6, atol=1e-6 * np.abs(other).max())
     # To a clock, which differentiates what was read, they differ by 1e-4 of the largest, however short the steps.
     np.testing.assert_allclose(slopes, others, rtol=1e-6, atol=3e-4 * np.abs(others).max())
@@ -117,7 +117,7 @@ def held_by_the_ground(model):
 
 
 def with_load_cell(run):
-    """On the wall, between the samples of which steps may end anywhere."""
+    """On the wall."""
     times = np.arange(301) * 1e-3
     force = xr.Variable(("time", "sensor", "axis"), np.zeros((len(times), 1, 1)), {"units": "N"})
     cell = xr.Dataset(
@@ -142,6 +142,16 @@ def test_a_load_cell_on_a_held_obstacle_is_read_without_a_motion(misfit, model, 
     others, slopes = slow.residual_and_jacobian(slow.start())
     np.testing.assert_allclose(residual, others, rtol=1e-6, atol=1e-6 * np.abs(others).max())
     np.testing.assert_allclose(jacobian, slopes, rtol=1e-6, atol=1e-6 * np.abs(slopes).max())
+
+
+def test_a_load_cell_is_read_between_steps(misfit, model, recorded, monkeypatch):
+    between = misfit(model, run=with_load_cell(recorded(model))).with_step(5e-4)
+    told = between.residual_and_jacobian(between.start())
+    assert between.predictor.longest_step > 0.2
+    monkeypatch.setattr(predictor.Predictor, "_steps_end_at_all", True)
+    exact = misfit(model, run=with_load_cell(recorded(model))).with_step(2e-5)
+    for one, other in zip(told, exact.residual_and_jacobian(exact.start()), strict=True):
+        np.testing.assert_allclose(one[-301:], other[-301:], rtol=1e-3, atol=1e-4 * np.abs(other[-301:]).max())
 
 
 def assert_jacobian(problem, step, accuracy):

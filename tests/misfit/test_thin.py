@@ -54,7 +54,7 @@ def test_a_parabola_goes_through_as_it_is(run, quantities, changed, interval):
 @pytest.mark.parametrize("interval", [1e-4, 5e-5, 1.25e-4, 2.5e-5])
 @pytest.mark.parametrize("start", [-0.0071, 0.0, 0.0023])
 def test_what_is_left_is_read_when_film_is_too(run, quantities, changed, interval, start):
-    """At whatever instant the recording begins: a simulation stops at every instant that something is read."""
+    """At whatever instant the recording begins: a simulation tells every instant that something is read."""
     first = round(start / interval)
     moved = changed(
         run,

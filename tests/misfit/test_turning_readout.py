@@ -76,13 +76,12 @@ def test_a_point_is_read_as_its_observer_says(seen, monkeypatch, axes, frame, fr
         np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9 * np.abs(other).max())
 
 
-def test_a_point_is_read_between_steps(seen, registry, monkeypatch):
+def test_a_point_is_read_between_steps(seen, monkeypatch):
     monkeypatch.setattr(predictor, "readout_of", lambda *_: None)
     between = seen()
     assert between.predictor.longest_step == pytest.approx(INSTANTS[-1] - BEFORE)
     got = told_by(between)
-    for name in ("film", "accelerometer"):
-        monkeypatch.setattr(registry.observers[name], "of_motion", False)
+    monkeypatch.setattr(predictor.Predictor, "_steps_end_at_all", True)
     at_each = seen()
     assert at_each.predictor.longest_step == pytest.approx(1e-4)
     for one, other in zip(got, told_by(at_each), strict=True):

@@ -124,8 +124,8 @@ def accelerate_adjoint(
         kinematics(bodies, joint, state, row)
     for joint in joints:
         force = joint_partials(joints, joint, functions, parameters, partials, state, row)[0]
-        push(bodies, joint, force)
-    add_given(bodies, given, t, piece)
+        push(bodies, joint, row, force)
+    add_given(bodies, given, row, t, piece)
     rates_adjoint(bodies, state, row, response, lam)
     respond_adjoint(bodies, state, row, response[n : 2 * n], load, lam, body_gradient)
     for i in range(n):

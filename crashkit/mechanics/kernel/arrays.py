@@ -15,14 +15,14 @@ START, END = np.int64(0), np.int64(4)
 NONE = np.int64(-1)
 """No joint, no entry."""
 
-FORCE, D_MAX, REST, DEFORMATION, RATE = 0, 1, 2, 3, 4
-"""Second index of the joints' derivatives `joint_tangent` (joint, 5, column)."""
+D_MAX, REST, DEFORMATION, RATE, DEFORMATION_BEFORE, RATE_BEFORE, FORCES = 0, 1, 2, 3, 4, 5, 6
+"""Second index of the joints' derivatives `joint_tangent` (joint, 11, column); those of the force take one for each stage."""
 
 TO_D, TO_RATE, TO_D_MAX, TO_MEMORY, TO_PARAMETERS = 0, 1, 2, 3, 4
 """Entries of a function's derivatives `partials` (function, 4 + parameters)."""
 
-JOINTS, TOTAL = 0, 1
-"""First index of `net`: the forces of the joints, and with what is given."""
+TOTAL = 5
+"""First index of `net`, after the forces of the joints at each stage: with what is given."""
 
 BODY = np.dtype(
     [
@@ -35,7 +35,11 @@ BODY = np.dtype(
             np.float64,
             (13,),
         ),  # rotation matrix of the stage by rows, unit quaternion at the last step; plane: cos, sin
-        ("net", np.float64, (2, 6)),  # force and moment at the stage: of its joints, and with what is given
+        (
+            "net",
+            np.float64,
+            (6, 6),
+        ),  # force and moment: of its joints at each stage; at the last that was evaluated, with what is given
     ],
     align=True,
 )
@@ -57,9 +61,9 @@ JOINT = np.dtype(
         ("rest", np.float64),  # m, distance at which the deformation is 0
         ("start", np.int64),  # its functions: the first is its law, the others are factors
         ("stop", np.int64),
-        ("d", np.float64),  # m, m s-1 and N, at the stage last evaluated
+        ("d", np.float64),  # m and m s-1, at the stage last evaluated
         ("ddot", np.float64),
-        ("force", np.float64),
+        ("forces", np.float64, (5,)),  # N, at each stage
         ("d_max", np.float64),  # m, largest deformation; out of date while the joint is loaded further
         ("loading", np.int64),  # 1 while the joint is loaded beyond its largest deformation, so that d_max is d itself
         ("gradient", np.float64, (18,)),  # of the deformation to the positions of its bodies, then to its attachments
@@ -104,8 +108,9 @@ class Work(NamedTuple):
         columns: of each number of `parameters`, the column that it is, or -1.
         partials: (function, 4 + parameters) derivatives of each function to d, ddot, d_max, its memory and its parameters.
         tangent: (stage, 2 (2 n + m), column) derivatives of `state` to the columns.
-        joint_tangent: (joint, 5, column) of each joint's force, largest deformation, rest, deformation and rate.
-        net_tangent: (n, column) of the forces and moments on the bodies.
+        joint_tangent: (joint, 11, column) of each joint's largest deformation, rest, deformation and rate, those where the
+            step begins, and its force at each stage.
+        net_tangent: (stage, n, column) of the forces and moments on the bodies.
     """
 
     bodies: Records

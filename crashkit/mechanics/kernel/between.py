@@ -5,11 +5,26 @@ With the state y and its derivative k at the ends 0 and 1 of a step h, after a s
 
     y(s) = (1 + 2 s) (1 - s)^2 y_0 + s^2 (3 - 2 s) y_1 + h s (1 - s)^2 k_0 - h s^2 (1 - s) k_1,
     k(s) = 6 s (1 - s) (y_1 - y_0) / h + (1 - s) (1 - 3 s) k_0 + s (3 s - 2) k_1.
+
+A force is to its impulse what k is to y, and the impulse over the step is that of the Runge-Kutta rule,
+
+    F(s) = s (1 - s) (F_0 + 2 F_1 + 2 F_2 + F_3) + (1 - s) (1 - 3 s) F_0 + s (3 s - 2) F_4,
+
+with the forces F_0 to F_3 at its stages and F_4 at its end.
 """
 
 import math
 
-from crashkit.mechanics.kernel.arrays import END, START
+from crashkit.mechanics.kernel.arrays import (
+    DEFORMATION,
+    DEFORMATION_BEFORE,
+    END,
+    FORCES,
+    RATE,
+    RATE_BEFORE,
+    START,
+)
+from crashkit.mechanics.kernel.line import DOF
 from crashkit.mechanics.kernel.stand_ins import compiled, inlined
 
 # ---- compiled from here ----
@@ -29,10 +44,17 @@ def slope_of_cubic(s, h):
     return -change, change, (1.0 - s) * (1.0 - 3.0 * s), s * (3.0 * s - 2.0)
 
 
+@inlined
+def force_within(s):
+    """The weights of the forces at the five stages; those of the two in the middle are the same."""
+    both = s * (1.0 - s)
+    return both + (1.0 - s) * (1.0 - 3.0 * s), 2.0 * both, both, s * (3.0 * s - 2.0)
+
+
 @compiled
-def write_between(state, tangent, values, tangents, k, s, h):
-    """The state after a share of a step becomes entry k of the record, in which nothing is known of forces."""
-    size = state.shape[1] // 2
+def write_between(bodies, joints, state, tangent, joint_tangent, net_tangent, values, tangents, k, s, h):
+    """The motion and the forces after a share of a step become entry k of the record; orientations in space are not known."""
+    size, columns = state.shape[1] // 2, tangent.shape[2]
     weights = cubic(s, h), slope_of_cubic(s, h)
     for part in range(2):
         y_0, y_1, k_0, k_1 = weights[part]
@@ -40,8 +62,39 @@ def write_between(state, tangent, values, tangents, k, s, h):
             to = part * size + i
             ends = y_0 * state[START, i] + y_1 * state[END, i]
             values[k, to] = ends + k_0 * state[START, size + i] + k_1 * state[END, size + i]
-            for c in range(tangent.shape[2]):
+            for c in range(columns):
                 ends = y_0 * tangent[START, i, c] + y_1 * tangent[END, i, c]
                 tangents[k, to, c] = ends + k_0 * tangent[START, size + i, c] + k_1 * tangent[END, size + i, c]
-    for i in range(2 * size, values.shape[1]):
+    end = 2 * size
+    for j in range(joints.size):
+        write_joint_between(joints[j], joint_tangent[j], values[k], tangents, k, end + 3 * j, s, weights)
+    end += 3 * joints.size
+    f_0, f_1, f_3, f_4 = force_within(s)
+    for i in range(DOF * bodies.size):
+        net, axis = bodies[i // DOF].net, i % DOF
+        inner = f_1 * (net[1, axis] + net[2, axis])
+        values[k, end + i] = f_0 * net[START, axis] + inner + f_3 * net[3, axis] + f_4 * net[END, axis]
+        for c in range(columns):
+            inner = f_1 * (net_tangent[1, i, c] + net_tangent[2, i, c])
+            outer = f_0 * net_tangent[START, i, c] + f_4 * net_tangent[END, i, c]
+            tangents[k, end + i, c] = outer + inner + f_3 * net_tangent[3, i, c]
+    for i in range(end + DOF * bodies.size, values.shape[1]):
         values[k, i] = math.nan
+
+
+@inlined
+def write_joint_between(joint, own, values, tangents, k, entry, s, weights):
+    """Its force, and the cubic through its deformation and the rate of that, with its derivative."""
+    f_0, f_1, f_3, f_4 = force_within(s)
+    forces = joint.forces
+    values[entry] = f_0 * forces[START] + f_1 * (forces[1] + forces[2]) + f_3 * forces[3] + f_4 * forces[END]
+    for c in range(own.shape[1]):
+        inner = f_1 * (own[FORCES + 1, c] + own[FORCES + 2, c]) + f_3 * own[FORCES + 3, c]
+        tangents[k, entry, c] = f_0 * own[FORCES + START, c] + inner + f_4 * own[FORCES + END, c]
+    for part in range(2):
+        d_0, d_1, ddot_0, ddot_1 = weights[part]
+        to = entry + 1 + part
+        values[to] = d_0 * joint.d_before + d_1 * joint.d + ddot_0 * joint.ddot_before + ddot_1 * joint.ddot
+        for c in range(own.shape[1]):
+            ends = d_0 * own[DEFORMATION_BEFORE, c] + d_1 * own[DEFORMATION, c]
+            tangents[k, to, c] = ends + ddot_0 * own[RATE_BEFORE, c] + ddot_1 * own[RATE, c]

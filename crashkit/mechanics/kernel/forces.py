@@ -3,7 +3,7 @@
 
 import math
 
-from crashkit.mechanics.kernel.arrays import JOINTS, NONE, TOTAL
+from crashkit.mechanics.kernel.arrays import NONE, TOTAL
 from crashkit.mechanics.kernel.line import DOF, locate, measure, rates, respond
 from crashkit.mechanics.kernel.stand_ins import compiled, inlined, law_frozen
 
@@ -60,25 +60,25 @@ def begin_forces(bodies, state, row):
     locate(bodies, state, row)
     for body in bodies:
         for i in range(DOF):
-            body.net[JOINTS, i] = 0.0
+            body.net[row, i] = 0.0
 
 
 @inlined
-def push(bodies, joint, force):
-    """Put the force of a joint on its bodies."""
-    joint.force = force
+def push(bodies, joint, row, force):
+    """Put the force of a joint at a stage on its bodies."""
+    joint.forces[row] = force
     for i in range(DOF):
-        bodies[joint.pushed_first].net[JOINTS, i] -= force * joint.gradient[i]
-        bodies[joint.pushed_second].net[JOINTS, i] -= force * joint.gradient[DOF + i]
+        bodies[joint.pushed_first].net[row, i] -= force * joint.gradient[i]
+        bodies[joint.pushed_second].net[row, i] -= force * joint.gradient[DOF + i]
 
 
 @inlined
-def add_given(bodies, given, t, piece):
-    """Add the forces that are given to those of the joints."""
+def add_given(bodies, given, row, t, piece):
+    """Add the forces that are given to those of the joints at a stage."""
     n, since = DOF * bodies.size, t - given[piece, 0]
     for i in range(n):
         body, k = bodies[i // DOF], i % DOF
-        body.net[TOTAL, k] = body.net[JOINTS, k] + given[piece, 1 + i] + since * given[piece, 1 + n + i]
+        body.net[TOTAL, k] = body.net[row, k] + given[piece, 1 + i] + since * given[piece, 1 + n + i]
 
 
 @inlined
@@ -103,8 +103,8 @@ def accelerate_stage(bodies, joints, functions, parameters, given, state, row, t
         joint.guard = guard
         if guard < smallest:
             smallest, culprit = guard, j
-        push(bodies, joint, force)
-    add_given(bodies, given, t, piece)
+        push(bodies, joint, row, force)
+    add_given(bodies, given, row, t, piece)
     respond(bodies, state, row)
     for i in range(n):
         state[row, first + i] += given[piece, 1 + 2 * n + i] + since * given[piece, 1 + 3 * n + i]

@@ -11,7 +11,7 @@ import math
 from crashkit.mechanics.kernel.arrays import (
     D_MAX,
     DEFORMATION,
-    FORCE,
+    FORCES,
     NONE,
     RATE,
     START,
@@ -91,14 +91,14 @@ def lateness(bodies, joint, function, state, slopes):
 
 @compiled
 def moment_tangent(function, columns, tangent, own, slopes, late):
-    """Derivatives of the time of a crossing whose guard has these slopes, into `own[FORCE]`."""
+    """Derivatives of the time of a crossing whose guard has these slopes, into `own[FORCES]`."""
     z = function.memory
     for c in range(tangent.shape[2]):
         change = slopes[TO_D] * own[DEFORMATION, c] + slopes[TO_RATE] * own[RATE, c] + slopes[TO_D_MAX] * own[D_MAX, c]
-        own[FORCE, c] = late * (change + slopes[TO_MEMORY] * tangent[START, z, c]) if z >= 0 else late * change
+        own[FORCES, c] = late * (change + slopes[TO_MEMORY] * tangent[START, z, c]) if z >= 0 else late * change
     for i in range(function.count):
         if columns[function.offset + i] >= 0:
-            own[FORCE, columns[function.offset + i]] += late * slopes[TO_PARAMETERS + i]
+            own[FORCES, columns[function.offset + i]] += late * slopes[TO_PARAMETERS + i]
 
 
 @compiled
@@ -143,5 +143,5 @@ def change_branches(
             for i in range(size):
                 jump = state[1, size + i] - state[START, size + i]
                 for c in range(tangent.shape[2]):
-                    tangent[START, i, c] += jump * own[FORCE, c]
+                    tangent[START, i, c] += jump * own[FORCES, c]
     return accelerate(bodies, joints, functions, parameters, given, state, START, t, piece)

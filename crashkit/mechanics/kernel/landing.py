@@ -148,8 +148,6 @@ def find_step(bodies, joints, functions, parameters, given, state, t, piece, lon
         where the far side is not finite); the guard at its end and its joint.
     """
     h = longest
-    for joint in joints:
-        joint.d_before, joint.ddot_before = joint.d, joint.ddot
     guard, culprit, inside = try_step(bodies, joints, functions, parameters, given, state, t, piece, h)
     while inside < 0.0 and guard >= 0.0 and h > SHORTEST * step:
         h *= 0.5

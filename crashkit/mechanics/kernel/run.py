@@ -6,11 +6,12 @@ import math
 from crashkit.mechanics.kernel.arrays import (
     D_MAX,
     DEFORMATION,
+    DEFORMATION_BEFORE,
     END,
-    FORCE,
-    JOINTS,
+    FORCES,
     NONE,
     RATE,
+    RATE_BEFORE,
     REST,
     START,
 )
@@ -87,18 +88,18 @@ def write(bodies, joints, state, tangent, joint_tangent, net_tangent, values, ta
         for c in range(tangent.shape[2]):
             tangents[k, i, c] = tangent[START, i, c]
     for j in range(joints.size):
-        values[k, end] = joints[j].force
+        values[k, end] = joints[j].forces[START]
         values[k, end + 1] = joints[j].d
         values[k, end + 2] = joints[j].ddot
         for c in range(tangent.shape[2]):
-            tangents[k, end, c] = joint_tangent[j, FORCE, c]
+            tangents[k, end, c] = joint_tangent[j, FORCES + START, c]
             tangents[k, end + 1, c] = joint_tangent[j, DEFORMATION, c]
             tangents[k, end + 2, c] = joint_tangent[j, RATE, c]
         end += 3
     for i in range(DOF * bodies.size):
-        values[k, end + i] = bodies[i // DOF].net[JOINTS, i % DOF]
+        values[k, end + i] = bodies[i // DOF].net[START, i % DOF]
         for c in range(tangent.shape[2]):
-            tangents[k, end + i, c] = net_tangent[i, c]
+            tangents[k, end + i, c] = net_tangent[START, i, c]
     end += DOF * bodies.size
     if AXES == 3:
         for i in range(4 * bodies.size):
@@ -133,11 +134,35 @@ def longest_step(left, step):
 @inlined
 def choose_step(bodies, joints, functions, parameters, given, state, t, piece, longest, step, blind):
     """Take a step into the row END: one that lands on crossings, or a short one that is `blind` to them; see `find_step`."""
+    for joint in joints:
+        joint.d_before, joint.ddot_before = joint.d, joint.ddot
     if blind:
         h = min(longest, BLIND * step)
         guard, culprit, _ = try_step(bodies, joints, functions, parameters, given, state, t, piece, h)
         return h, True, 0.0, guard, culprit
     return find_step(bodies, joints, functions, parameters, given, state, t, piece, longest, step)
+
+
+@inlined
+def remember_before(joint_tangent):
+    """The derivatives of deformations and rates where a step begins."""
+    for j in range(joint_tangent.shape[0]):
+        own = joint_tangent[j]
+        for c in range(own.shape[1]):
+            own[DEFORMATION_BEFORE, c], own[RATE_BEFORE, c] = own[DEFORMATION, c], own[RATE, c]
+
+
+@inlined
+def pass_on(bodies, joints, joint_tangent, net_tangent):
+    """The forces at the end of a step are those at the start of the next."""
+    for j in range(joints.size):
+        joints[j].forces[START] = joints[j].forces[END]
+        for c in range(joint_tangent.shape[2]):
+            joint_tangent[j, FORCES + START, c] = joint_tangent[j, FORCES + END, c]
+    for i in range(DOF * bodies.size):
+        bodies[i // DOF].net[START, i % DOF] = bodies[i // DOF].net[END, i % DOF]
+        for c in range(net_tangent.shape[2]):
+            net_tangent[START, i, c] = net_tangent[END, i, c]
 
 
 @compiled
@@ -148,6 +173,7 @@ def take_step(
     """The end of a step becomes the start of the next; returns the next of the times, after those that lie within it."""
     due, end = k, t + h - ROUNDED * step
     if tangent.shape[2] > 0:
+        remember_before(joint_tangent)
         step_tangent(
             bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, net_tangent,
             t, piece, h,
@@ -158,12 +184,15 @@ def take_step(
                 END, t + h, piece,
             )  # fmt: skip
     while due < times.size and times[due] < end:
-        write_between(state, tangent, values, tangents, due, (times[due] - t) / h, h)
+        write_between(
+            bodies, joints, state, tangent, joint_tangent, net_tangent, values, tangents, due, (times[due] - t) / h, h
+        )
         due += 1
     for i in range(state.shape[1]):
         state[START, i] = state[END, i]
         for c in range(tangent.shape[2]):
             tangent[START, i, c] = tangent[END, i, c]
+    pass_on(bodies, joints, joint_tangent, net_tangent)
     settle(bodies, state)
     return due
 

@@ -13,7 +13,7 @@ from crashkit.mechanics.kernel.arrays import (
     D_MAX,
     DEFORMATION,
     END,
-    FORCE,
+    FORCES,
     RATE,
     REST,
     START,
@@ -83,16 +83,16 @@ def push_tangent(bodies, joint, state, tangent, own, net_tangent, row, force, to
     push_columns(
         joint, state[row, n + a : n + a + DOF], state[row, n + b : n + b + DOF], tangent[row, a : a + DOF],
         tangent[row, b : b + DOF], tangent[row, n + a : n + a + DOF], tangent[row, n + b : n + b + DOF], own[REST], own[D_MAX],
-        own[DEFORMATION], own[RATE], own[FORCE], net_tangent[near : near + DOF], net_tangent[far : far + DOF], force,
+        own[DEFORMATION], own[RATE], own[FORCES + row], net_tangent[near : near + DOF], net_tangent[far : far + DOF], force,
         to_d, to_rate, to_d_max,
     )  # fmt: skip
 
 
 @inlined
-def add_force(joint, own, net_tangent, column, change):
-    """Add a derivative of a joint's force to one column."""
+def add_force(joint, own, net_tangent, row, column, change):
+    """Add a derivative of a joint's force at a stage to one column."""
     a, b = DOF * joint.pushed_first, DOF * joint.pushed_second
-    own[FORCE, column] += change
+    own[FORCES + row, column] += change
     for i in range(DOF):
         net_tangent[a + i, column] -= joint.gradient[i] * change
         net_tangent[b + i, column] -= joint.gradient[DOF + i] * change
@@ -106,14 +106,14 @@ def parameter_columns(joint, functions, columns, tangent, own, net_tangent, part
         for i in range(function.count):
             column = columns[function.offset + i]
             if column >= 0:
-                add_force(joint, own, net_tangent, column, partials[f, TO_PARAMETERS + i])
+                add_force(joint, own, net_tangent, row, column, partials[f, TO_PARAMETERS + i])
         if function.memory >= 0:
             for c in range(tangent.shape[2]):
-                add_force(joint, own, net_tangent, c, partials[f, TO_MEMORY] * tangent[row, function.memory, c])
+                add_force(joint, own, net_tangent, row, c, partials[f, TO_MEMORY] * tangent[row, function.memory, c])
 
 
 @compiled
-def driver_columns(joints, functions, joint_tangent, net_tangent, partials):
+def driver_columns(joints, functions, joint_tangent, net_tangent, partials, row):
     """Forces depend on the deformations of the joints that drive them, whose derivatives are known."""
     for j in range(joints.size):
         for f in range(joints[j].start, joints[j].stop):
@@ -121,7 +121,7 @@ def driver_columns(joints, functions, joint_tangent, net_tangent, partials):
                 driver = joint_tangent[functions[f].driver]
                 for c in range(joint_tangent.shape[2]):
                     change = partials[f, TO_D] * driver[DEFORMATION, c] + partials[f, TO_RATE] * driver[RATE, c]
-                    add_force(joints[j], joint_tangent[j], net_tangent, c, change)
+                    add_force(joints[j], joint_tangent[j], net_tangent, row, c, change)
 
 
 @compiled
@@ -143,7 +143,7 @@ def point_columns(bodies, joint, state, own, net_tangent, row, force, to_d, to_r
             d, rate = joint.gradient[2 * DOF + m], joint.bend[2 * DOF + m]
             own[DEFORMATION, column] += d
             own[RATE, column] += rate
-            add_force(joint, own, net_tangent, column, to_d * d + to_rate * rate)
+            add_force(joint, own, net_tangent, row, column, to_d * d + to_rate * rate)
             bend_to_point(bodies, joint, m)
             for i in range(DOF):
                 net_tangent[a + i, column] -= force * joint.bend[i]
@@ -153,9 +153,9 @@ def point_columns(bodies, joint, state, own, net_tangent, row, force, to_d, to_r
 @compiled
 def deformation_tangent(bodies, joint, state, tangent, own, net_tangent, row):
     """Derivatives of a joint's deformation and of its rate; `net_tangent` stays as it is."""
-    push_tangent(bodies, joint, state, tangent, own, net_tangent, row, 0.0, 0.0, 0.0, 0.0)
+    push_tangent(bodies, joint, state, tangent, own, net_tangent[row], row, 0.0, 0.0, 0.0, 0.0)
     if joint.moves_points:
-        point_columns(bodies, joint, state, own, net_tangent, row, 0.0, 0.0, 0.0)
+        point_columns(bodies, joint, state, own, net_tangent[row], row, 0.0, 0.0, 0.0)
 
 
 @compiled
@@ -179,28 +179,28 @@ def accelerate_tangent(
     bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent, net_tangent, row, t, piece
 ):
     """Derivatives of the state's derivative at a stage; the forces are taken anew."""
-    size = state.shape[1] // 2
+    size, net = state.shape[1] // 2, net_tangent[row]
     begin_forces(bodies, state, row)
-    for i in range(net_tangent.shape[0]):
+    for i in range(net.shape[0]):
         for c in range(tangent.shape[2]):
-            net_tangent[i, c] = 0.0
+            net[i, c] = 0.0
     for joint in joints:
         kinematics(bodies, joint, state, row)
     for j in range(joints.size):
         joint, own = joints[j], joint_tangent[j]
         force, to_d, to_rate, to_d_max = joint_partials(joints, joint, functions, parameters, partials, state, row)
-        push(bodies, joint, force)
-        push_tangent(bodies, joint, state, tangent, own, net_tangent, row, force, to_d, to_rate, to_d_max)
-        parameter_columns(joint, functions, columns, tangent, own, net_tangent, partials, row)
+        push(bodies, joint, row, force)
+        push_tangent(bodies, joint, state, tangent, own, net, row, force, to_d, to_rate, to_d_max)
+        parameter_columns(joint, functions, columns, tangent, own, net, partials, row)
         if joint.moves_points:
-            point_columns(bodies, joint, state, own, net_tangent, row, force, to_d, to_rate)
+            point_columns(bodies, joint, state, own, net, row, force, to_d, to_rate)
         for f in range(joint.start, joint.stop):
             if functions[f].memory >= 0:
                 memory = functions[f].memory
                 memory_tangent(joint, functions[f], parameters, state, columns, tangent, own, partials[f], row, size + memory)
-    driver_columns(joints, functions, joint_tangent, net_tangent, partials)
-    add_given(bodies, given, t, piece)
-    respond_tangent(bodies, net_tangent, state, tangent, row)
+    driver_columns(joints, functions, joint_tangent, net, partials, row)
+    add_given(bodies, given, row, t, piece)
+    respond_tangent(bodies, net, state, tangent, row)
     rates_tangent(bodies, state, tangent, row)
 
 

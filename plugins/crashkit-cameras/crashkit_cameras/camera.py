@@ -70,7 +70,6 @@ class Camera(Observer):
         *CLOCK,
     )
     instrument_errors = CLOCK_ERRORS
-    of_motion = True
 
     def predict(self, motion: xr.Dataset, instrument: xr.Dataset, errors: SensorErrors | None = None) -> xr.Dataset:
         """The markers' images, as `Observer.predict` says, through the cameras that the control points calibrate.

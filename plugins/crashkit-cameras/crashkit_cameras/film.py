@@ -42,7 +42,6 @@ class Film(PlainObserver):
         *ROCKING,
     )
     instrument_errors = CLOCK_ERRORS
-    of_motion = True
 
     def predict(self, motion: xr.Dataset, instrument: xr.Dataset, errors: SensorErrors | None = None) -> xr.Dataset:
         """The markers' positions, as `Observer.predict` says."""
