@@ -122,14 +122,15 @@ class JointFriction(Hypothesis):
         """The same that falls with the rate; and both where something else presses too."""
         less = falling(fastest)
         # A share that rises with the rate is a rate effect.
-        slower = {"slip_rate": less["slip_rate"], "stick": evolve(less["stick"], lower=0.0), "stick_rate": less["stick_rate"]}
-        pressed = self._in_proportion()
+        slower = {"stick": evolve(less["stick"], lower=0.0), "stick_rate": less["stick_rate"]}
+        pressed, established = self._in_proportion(), smooth(fastest)
         slipping = evolve(pressed, form="in proportion, falling", parameters=SHARE | slower)
-        preload = Effect(self.physics, "preloaded", "coulomb", FORCE | smooth(fastest) | ALWAYS, "friction_force")
+        sharp = evolve(slipping, parameters=slipping.parameters | {"slip_rate": less["slip_rate"]})
+        preload = Effect(self.physics, "preloaded", "coulomb", FORCE | established | ALWAYS, "friction_force")
         return [
-            multiplied(model, joint, slipping),
+            multiplied(model, joint, sharp),
             _both(model, joint, pressed, preload),
-            _both(model, joint, slipping, evolve(preload, parameters=less | ALWAYS)),
+            _both(model, joint, slipping, evolve(preload, parameters=less | established | ALWAYS)),
         ]
 
 
