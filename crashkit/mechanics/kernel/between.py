@@ -51,50 +51,62 @@ def force_within(s):
     return both + (1.0 - s) * (1.0 - 3.0 * s), 2.0 * both, both, s * (3.0 * s - 2.0)
 
 
-@compiled
-def write_between(bodies, joints, state, tangent, joint_tangent, net_tangent, values, tangents, k, s, h):
-    """The motion and the forces after a share of a step become entry k of the record; orientations in space are not known."""
-    size, columns = state.shape[1] // 2, tangent.shape[2]
-    weights = cubic(s, h), slope_of_cubic(s, h)
+@inlined
+def write_state_between(state, tangent, values, tangents, k, weights):
+    """The state and its derivative, each by its own weights."""
+    size = state.shape[1] // 2
     for part in range(2):
         y_0, y_1, k_0, k_1 = weights[part]
         for i in range(size):
             to = part * size + i
             ends = y_0 * state[START, i] + y_1 * state[END, i]
             values[k, to] = ends + k_0 * state[START, size + i] + k_1 * state[END, size + i]
-            for c in range(columns):
+            for c in range(tangent.shape[2]):
                 ends = y_0 * tangent[START, i, c] + y_1 * tangent[END, i, c]
                 tangents[k, to, c] = ends + k_0 * tangent[START, size + i, c] + k_1 * tangent[END, size + i, c]
-    end = 2 * size
-    for j in range(joints.size):
-        write_joint_between(joints[j], joint_tangent[j], values[k], tangents, k, end + 3 * j, s, weights)
-    end += 3 * joints.size
-    f_0, f_1, f_3, f_4 = force_within(s)
-    for i in range(DOF * bodies.size):
-        net, axis = bodies[i // DOF].net, i % DOF
-        inner = f_1 * (net[1, axis] + net[2, axis])
-        values[k, end + i] = f_0 * net[START, axis] + inner + f_3 * net[3, axis] + f_4 * net[END, axis]
-        for c in range(columns):
-            inner = f_1 * (net_tangent[1, i, c] + net_tangent[2, i, c])
-            outer = f_0 * net_tangent[START, i, c] + f_4 * net_tangent[END, i, c]
-            tangents[k, end + i, c] = outer + inner + f_3 * net_tangent[3, i, c]
-    for i in range(end + DOF * bodies.size, values.shape[1]):
-        values[k, i] = math.nan
 
 
 @inlined
-def write_joint_between(joint, own, values, tangents, k, entry, s, weights):
+def write_joint_between(joint, own, values, tangents, k, entry, shares, weights):
     """Its force, and the cubic through its deformation and the rate of that, with its derivative."""
-    f_0, f_1, f_3, f_4 = force_within(s)
+    f_0, f_1, f_3, f_4 = shares
     forces = joint.forces
-    values[entry] = f_0 * forces[START] + f_1 * (forces[1] + forces[2]) + f_3 * forces[3] + f_4 * forces[END]
+    inner = f_1 * (forces[1] + forces[2]) + f_3 * forces[3]
+    values[k, entry] = f_0 * forces[START] + inner + f_4 * forces[END]
     for c in range(own.shape[1]):
         inner = f_1 * (own[FORCES + 1, c] + own[FORCES + 2, c]) + f_3 * own[FORCES + 3, c]
         tangents[k, entry, c] = f_0 * own[FORCES + START, c] + inner + f_4 * own[FORCES + END, c]
     for part in range(2):
         d_0, d_1, ddot_0, ddot_1 = weights[part]
         to = entry + 1 + part
-        values[to] = d_0 * joint.d_before + d_1 * joint.d + ddot_0 * joint.ddot_before + ddot_1 * joint.ddot
+        values[k, to] = d_0 * joint.d_before + d_1 * joint.d + ddot_0 * joint.ddot_before + ddot_1 * joint.ddot
         for c in range(own.shape[1]):
             ends = d_0 * own[DEFORMATION_BEFORE, c] + d_1 * own[DEFORMATION, c]
             tangents[k, to, c] = ends + ddot_0 * own[RATE_BEFORE, c] + ddot_1 * own[RATE, c]
+
+
+@inlined
+def write_net_between(bodies, net_tangent, values, tangents, k, entry, shares):
+    """The forces and moments of the joints on the bodies."""
+    f_0, f_1, f_3, f_4 = shares
+    for i in range(DOF * bodies.size):
+        net, axis = bodies[i // DOF].net, i % DOF
+        inner = f_1 * (net[1, axis] + net[2, axis]) + f_3 * net[3, axis]
+        values[k, entry + i] = f_0 * net[START, axis] + inner + f_4 * net[END, axis]
+        for c in range(net_tangent.shape[2]):
+            inner = f_1 * (net_tangent[1, i, c] + net_tangent[2, i, c]) + f_3 * net_tangent[3, i, c]
+            tangents[k, entry + i, c] = f_0 * net_tangent[START, i, c] + inner + f_4 * net_tangent[END, i, c]
+
+
+@compiled
+def write_between(bodies, joints, state, tangent, joint_tangent, net_tangent, values, tangents, k, s, h):
+    """The motion and the forces after a share of a step become entry k of the record; orientations in space are not known."""
+    weights, shares = (cubic(s, h), slope_of_cubic(s, h)), force_within(s)
+    write_state_between(state, tangent, values, tangents, k, weights)
+    end = state.shape[1]
+    for j in range(joints.size):
+        write_joint_between(joints[j], joint_tangent[j], values, tangents, k, end, shares, weights)
+        end += 3
+    write_net_between(bodies, net_tangent, values, tangents, k, end, shares)
+    for i in range(end + DOF * bodies.size, values.shape[1]):
+        values[k, i] = math.nan

@@ -125,7 +125,7 @@ class JointFriction(Hypothesis):
         slower = {"stick": evolve(less["stick"], lower=0.0), "stick_rate": less["stick_rate"]}
         pressed, established = self._in_proportion(), smooth(fastest)
         slipping = evolve(pressed, form="in proportion, falling", parameters=SHARE | slower)
-        sharp = evolve(slipping, parameters=slipping.parameters | {"slip_rate": less["slip_rate"]})
+        sharp = evolve(slipping, parameters=SHARE | slower | {"slip_rate": less["slip_rate"]})
         preload = Effect(self.physics, "preloaded", "coulomb", FORCE | established | ALWAYS, "friction_force")
         return [
             multiplied(model, joint, sharp),
