@@ -34,7 +34,7 @@ SHARE = {"friction_share": Parameter(0.0, 0.0, 1.0), "slip_rate": Parameter(0.1,
 
 class ViscousDamping(Hypothesis):
     """F = F_law + c ddot, F_law + c ddot |ddot|^(n - 1), or with another c on the way back, from some rate on, or with the
-    stroke, or c ddot / (1 + |ddot| / v_s); while compressed, at all times, or in a joint that only pushes."""
+    stroke, or c ddot / (1 + |ddot| / v_s), at once or over a length; while compressed, at all times, or in a joint that only pushes."""
 
     physics: ClassVar[str] = "viscous_damping"
     sentence: ClassVar[str] = "{place} is damped: part of its force opposes the deformation rate and grows with it"
@@ -64,12 +64,15 @@ class ViscousDamping(Hypothesis):
         stroke = Effect(self.physics, "growing with the stroke", "viscous_growing", growing, "damping")
         limit = {**damping, "saturating_rate": Parameter(fastest, LEAST_LIMIT * fastest, 10.0 * fastest)}
         digressive = Effect(self.physics, "saturating", "viscous_saturating", limit, "damping")
+        gradual = {**limit, "engagement": Parameter(0.1 * reached, 2e-3 * reached, reached)}
+        lengths = grid(engagement=(0.02 * reached, 0.1 * reached))
+        coming = Effect(self.physics, "saturating, coming in", "viscous_saturating", gradual, "damping", lengths)
         plain = [parallel(model, joint, effect) for effect in (linear, power, _always(power))]
-        refined = (one_way, two_way, _always(two_way), knee, stroke, digressive, _always(digressive))
+        refined = (one_way, two_way, _always(two_way), knee, stroke, digressive, _always(digressive), coming)
         fine = [parallel(model, joint, effect) for effect in refined]
         only = [
             evolve(effect, form=f"{effect.form}, only pushing")
-            for effect in (linear, power, two_way, knee, stroke, digressive)
+            for effect in (linear, power, two_way, knee, stroke, digressive, coming)
         ]
         pushing = [form for effect in only for form in pushing_beside(model, joint, effect)]
         return [*plain, *pushing[:1], *(evolve(form, refined=True) for form in (*fine, *pushing[1:]))]

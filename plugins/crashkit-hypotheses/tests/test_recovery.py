@@ -317,6 +317,12 @@ def digressive(model):
     )
 
 
+def coming_in(model):
+    """The same that takes hold over 60 mm."""
+    absorber = fixed(damping=8e3, saturating_rate=3.0, engagement=0.06)
+    return with_joint(model, Joint("absorber", ("wall", "front"), "viscous_saturating", absorber))
+
+
 def valved(model):
     """A shock absorber whose valve opens at 0.5 m/s."""
     valve = fixed(damping=8e3, knee_rate=0.5, beyond=0.2)
@@ -681,6 +687,10 @@ CASES = {
     checked: (("viscous_damping", "linear, one way", {"joint": "second"}), {"damping": 6e3}),
     valved: (("viscous_damping", "with a knee", {"joint": "first"}), {"damping": 8e3, "knee_rate": 0.5, "beyond": 0.2}),
     digressive: (("viscous_damping", "saturating", {"joint": "first"}), {"damping": 8e3, "saturating_rate": 3.0}),
+    coming_in: (
+        ("viscous_damping", "saturating, coming in", {"joint": "first"}),
+        {"damping": 8e3, "saturating_rate": 3.0, "engagement": 0.06},
+    ),
     stiffening: (("bottoming", "exponential", {"joint": "first"}), {}),
     curving: (("bottoming", "power", {"joint": "first"}), {"stop_deformation": 0.4, "exponent": 3.0}),
     belted_in: (("tension", "strap, yielding", {"joint": "second"}), {"yield_force": 5e3, "corner": 2.0}),
