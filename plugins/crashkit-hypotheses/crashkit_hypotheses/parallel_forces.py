@@ -34,7 +34,8 @@ SHARE = {"friction_share": Parameter(0.0, 0.0, 1.0), "slip_rate": Parameter(0.1,
 
 class ViscousDamping(Hypothesis):
     """F = F_law + c ddot, F_law + c ddot |ddot|^(n - 1), or with another c on the way back, from some rate on, or with the
-    stroke, or c ddot / (1 + |ddot| / v_s), at once or over a length; while compressed, at all times, or in a joint that only pushes."""
+    stroke, or c ddot / (1 + |ddot| / v_s), at once or over a length; while compressed, at all times, or in a joint that only
+    pushes."""
 
     physics: ClassVar[str] = "viscous_damping"
     sentence: ClassVar[str] = "{place} is damped: part of its force opposes the deformation rate and grows with it"
