@@ -65,11 +65,11 @@ class ViscousDamping(Hypothesis):
         stroke = Effect(self.physics, "growing with the stroke", "viscous_growing", growing, "damping")
         limit = {**damping, "saturating_rate": Parameter(fastest, LEAST_LIMIT * fastest, 10.0 * fastest)}
         digressive = Effect(self.physics, "saturating", "viscous_saturating", limit, "damping")
-        gradual = {**limit, "engagement": Parameter(0.1 * reached, 2e-3 * reached, reached)}
-        lengths = grid(engagement=(0.02 * reached, 0.1 * reached))
+        gradual = {**limit, "engagement": Parameter(0.1 * reached, 0.02 * reached, reached)}
+        lengths = grid(engagement=(0.04 * reached, 0.15 * reached))
         coming = Effect(self.physics, "saturating, coming in", "viscous_saturating", gradual, "damping", lengths)
         plain = [parallel(model, joint, effect) for effect in (linear, power, _always(power))]
-        refined = (one_way, two_way, _always(two_way), knee, stroke, digressive, _always(digressive), coming)
+        refined = (one_way, two_way, _always(two_way), knee, stroke, digressive, _always(digressive))
         fine = [parallel(model, joint, effect) for effect in refined]
         only = [
             evolve(effect, form=f"{effect.form}, only pushing")
