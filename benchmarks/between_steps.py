@@ -36,7 +36,7 @@ def _rows(seed: int, case: Case) -> list[Row]:
     with patch.object(Predictor, "_steps_end_at_all", True):
         ending = _misfit(case)
         ending = ending.with_step(fine_step(ending))
-        ending.residual(ending.start())
+        ending.residual(ending.start())  # its runs are made at the first
     name, peer = f"vehicle {seed}, {len(free.names)} numbers", "steps end where anything is read"
     times = pair(lambda: _predict(free), lambda: _predict(ending), repeats=15)
     errors = [_rms(one.residual(one.start()) - exact.residual(exact.start())) for one in (free, ending)]

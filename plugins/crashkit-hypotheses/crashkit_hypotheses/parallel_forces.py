@@ -14,7 +14,7 @@ from crashkit_hypotheses.sizes import compressed, largest_deformation, largest_e
 
 Parameters = dict[str, Parameter]
 Starts = Sequence[Mapping[str, float]]
-FrictionLaws = Mapping[str, tuple[str, Parameters, Starts]]
+ForceLaws = Mapping[str, tuple[str, Parameters, Starts]]
 
 BRISTLES = (0.05, 0.005)
 """Of the deformation reached: lengths of a bristle to start from; from long ones hardly a search comes to short ones."""
@@ -28,6 +28,13 @@ LEAST_LIMIT = 0.2
 """Of the fastest rate: a damper that gives half of its limit at a lower one is friction."""
 ONE_WAY = {"exponent": Parameter(1.0, fixed=True), "rebound": Parameter(0.0, fixed=True)}
 """Of a damper that does not hold back on the way back."""
+PLAIN, CHECKED, COMING_IN = ("linear", "power"), "linear, one way", "saturating, coming in"
+"""Forms of dampers: the first that are tried; one that does nothing on the way back, so that it pushes anyway; and one that is
+only tried where it may only push, as beside a plain dashpot it took over what a recorder had lost at its start."""
+FIXED_AT_BOTH_ENDS = ("power", "two-way", "saturating")
+"""Forms of dampers that may also act where the joint is open."""
+COMES_IN, AT_ONCE = (0.04, 0.15), 0.02
+"""Of the deformation reached: lengths over which a damper comes in to start from, and the least."""
 FORCE = {"friction_force": Parameter(0.0, 0.0, 1e7)}
 SHARE = {"friction_share": Parameter(0.0, 0.0, 1.0), "slip_rate": Parameter(0.1, 0.01, 1.0)}
 
@@ -46,35 +53,12 @@ class ViscousDamping(Hypothesis):
 
     def _forms(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
         fastest = max(largest_rate(motion, joint.name), SLOWEST)
-        damping = {"damping": Parameter(0.0, 0.0, 1e7)}
-        exponent = {**damping, "exponent": Parameter(0.7, 0.2, 3.0)}
-        rebound = {**damping, "exponent": Parameter(1.0, 0.2, 3.0), "rebound": Parameter(1.0, 0.0, 10.0)}
-        opening = {
-            **damping,
-            "knee_rate": Parameter(0.3 * fastest, 0.01 * fastest, fastest),
-            "beyond": Parameter(0.5, 0.0, 5.0),
-        }
-        reached = largest_deformation(motion, joint.name)
-        growing = {**damping, "doubling_deformation": Parameter(reached, 0.02 * reached, 50.0 * reached)}
-        linear = Effect(self.physics, "linear", "viscous", damping, "damping")
-        one_way = Effect(self.physics, "linear, one way", "viscous_power", {**damping, **ONE_WAY}, "damping")
-        power = Effect(self.physics, "power", "viscous_power", exponent, "damping", grid(exponent=(0.6, 2.0)))
-        two_way = Effect(self.physics, "two-way", "viscous_power", rebound, "damping", grid(rebound=(0.4, 2.5)))
-        starts = grid(knee_rate=(0.15 * fastest, 0.4 * fastest))
-        knee = Effect(self.physics, "with a knee", "viscous_knee", opening, "damping", starts)
-        stroke = Effect(self.physics, "growing with the stroke", "viscous_growing", growing, "damping")
-        limit = {**damping, "saturating_rate": Parameter(fastest, LEAST_LIMIT * fastest, 10.0 * fastest)}
-        digressive = Effect(self.physics, "saturating", "viscous_saturating", limit, "damping")
-        gradual = {**limit, "engagement": Parameter(0.1 * reached, 0.02 * reached, reached)}
-        lengths = grid(engagement=(0.04 * reached, 0.15 * reached))
-        coming = Effect(self.physics, "saturating, coming in", "viscous_saturating", gradual, "damping", lengths)
-        plain = [parallel(model, joint, effect) for effect in (linear, power, _always(power))]
-        refined = (one_way, two_way, _always(two_way), knee, stroke, digressive, _always(digressive))
-        fine = [parallel(model, joint, effect) for effect in refined]
-        only = [
-            evolve(effect, form=f"{effect.form}, only pushing")
-            for effect in (linear, power, two_way, knee, stroke, digressive, coming)
-        ]
+        laws = _damper_laws(largest_deformation(motion, joint.name), fastest)
+        effects = [Effect(self.physics, form, law, own, "damping", starts) for form, (law, own, starts) in laws.items()]
+        plain = [parallel(model, joint, one) for effect in effects if effect.form in PLAIN for one in _at_times(effect)]
+        finer = [effect for effect in effects if effect.form not in (*PLAIN, COMING_IN)]
+        fine = [parallel(model, joint, one) for effect in finer for one in _at_times(effect)]
+        only = [evolve(effect, form=f"{effect.form}, only pushing") for effect in effects if effect.form != CHECKED]
         pushing = [form for effect in only for form in pushing_beside(model, joint, effect)]
         return [*plain, *pushing[:1], *(evolve(form, refined=True) for form in (*fine, *pushing[1:]))]
 
@@ -100,7 +84,7 @@ class JointFriction(Hypothesis):
         forms = [*plain, *(evolve(form, refined=True) for form in fine)]
         return [evolve(form, odds=1.0 / len(times)) for form in forms]
 
-    def _beside(self, model: Model, joint: Joint, laws: FrictionLaws, times: Mapping[str, Parameters]) -> list[Proposal]:
+    def _beside(self, model: Model, joint: Joint, laws: ForceLaws, times: Mapping[str, Parameters]) -> list[Proposal]:
         """Friction that nothing of the joint's own force presses."""
         forms = []
         for form, (law, numbers, starts) in laws.items():
@@ -109,7 +93,7 @@ class JointFriction(Hypothesis):
                 forms.append(evolve(parallel(model, joint, effect), refined=form in REFINED))
         return forms
 
-    def _only_pushing(self, model: Model, joint: Joint, laws: FrictionLaws) -> list[Proposal]:
+    def _only_pushing(self, model: Model, joint: Joint, laws: ForceLaws) -> list[Proposal]:
         """Friction which together with the joint's own force only pushes."""
         effects = [
             Effect(self.physics, f"{form}, only pushing", law, numbers | CLOSED, "friction_force", starts)
@@ -138,7 +122,28 @@ class JointFriction(Hypothesis):
         ]
 
 
-def _friction_laws(reached: float, fastest: float) -> FrictionLaws:
+def _damper_laws(reached: float, fastest: float) -> ForceLaws:
+    """The law of each form, its parameters and starts, in a joint that is deformed so far, m, and so fast, m/s."""
+    damping = {"damping": Parameter(0.0, 0.0, 1e7)}
+    limit = damping | {"saturating_rate": Parameter(fastest, LEAST_LIMIT * fastest, 10.0 * fastest)}
+    rebound = {"exponent": Parameter(1.0, 0.2, 3.0), "rebound": Parameter(1.0, 0.0, 10.0)}
+    knee = {"knee_rate": Parameter(0.3 * fastest, 0.01 * fastest, fastest), "beyond": Parameter(0.5, 0.0, 5.0)}
+    growing = {"doubling_deformation": Parameter(reached, 0.02 * reached, 50.0 * reached)}
+    gradual = {"engagement": Parameter(0.1 * reached, AT_ONCE * reached, reached)}
+    lengths = [share * reached for share in COMES_IN]
+    return {
+        "linear": ("viscous", damping, ({},)),
+        CHECKED: ("viscous_power", damping | ONE_WAY, ({},)),
+        "power": ("viscous_power", damping | {"exponent": Parameter(0.7, 0.2, 3.0)}, grid(exponent=(0.6, 2.0))),
+        "two-way": ("viscous_power", damping | rebound, grid(rebound=(0.4, 2.5))),
+        "with a knee": ("viscous_knee", damping | knee, grid(knee_rate=(0.15 * fastest, 0.4 * fastest))),
+        "growing with the stroke": ("viscous_growing", damping | growing, ({},)),
+        "saturating": ("viscous_saturating", limit, ({},)),
+        COMING_IN: ("viscous_saturating", limit | gradual, grid(engagement=lengths)),
+    }
+
+
+def _friction_laws(reached: float, fastest: float) -> ForceLaws:
     """The law of each form, its parameters and starts, in a joint that is deformed so far, m, and so fast, m/s."""
     less, established, lengths = falling(fastest), smooth(fastest), [share * reached for share in BRISTLES]
     bristles = FORCE | {"bristle_length": Parameter(lengths[0], 1e-2 * lengths[1], reached)}
@@ -166,7 +171,9 @@ def _both(model: Model, joint: Joint, factor: Effect, force: Effect) -> Proposal
     return evolve(both, form=f"{factor.form}, {force.form}", parameters=names, null=null)
 
 
-def _always(damping: Effect) -> Effect:
-    """The same at all times."""
+def _at_times(damping: Effect) -> list[Effect]:
+    """While compressed, and where its law knows how, at all times."""
+    if damping.form not in FIXED_AT_BOTH_ENDS:
+        return [damping]
     parameters = {**damping.parameters, "tension": Parameter(1.0, fixed=True)}
-    return evolve(damping, form=f"{damping.form}, always", parameters=parameters)
+    return [damping, evolve(damping, form=f"{damping.form}, always", parameters=parameters)]

@@ -249,6 +249,13 @@ def clamped(model):
     return with_joint(clamping(model), Joint("rub", ("wall", "front"), "coulomb", fixed(friction_force=3e3, slip_rate=0.1)))
 
 
+def clamped_and_gripping(model):
+    """The same, half as much again at creep speed; and slow in being established."""
+    clamp = fixed(friction_share=0.15, slip_rate=0.2, stick=0.5, stick_rate=1.5)
+    rub = fixed(friction_force=5e3, slip_rate=0.2, stick=0.5, stick_rate=1.5)
+    return with_joint(with_factor(model, "first", "rubbing", clamp), Joint("rub", ("wall", "front"), "coulomb", rub))
+
+
 def bristling(model):
     bristles = fixed(friction_force=5e3, bristle_length=0.04)
     return with_joint(model, Joint("rub", ("wall", "front"), "dahl", bristles))
@@ -647,6 +654,10 @@ CASES = {
     rubbing: (("joint_friction", "sharp", {"joint": "first"}), {"friction_force": 4e3}),
     wedging: (("joint_friction", "two-way", {"joint": "first"}), {"friction_force": 6e3, "rebound": 0.5}),
     clamping: (("joint_friction", "in proportion", {"joint": "first"}), {"friction_share": 0.2}),
+    clamped_and_gripping: (
+        ("joint_friction", "in proportion, falling, preloaded", {"joint": "first"}),
+        {"friction_share": 0.15},
+    ),
     clamped: (
         ("joint_friction", "in proportion, preloaded", {"joint": "first"}),
         {"friction_share": 0.2, "friction_force": 3e3},
@@ -792,6 +803,7 @@ LATE = {
     wedging,
     clamping,
     clamped,
+    clamped_and_gripping,
     rubbing_in_its_gap,
     weakened_curve,
     repelling,
