@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 
 from crashkit.campaign import spread
-from crashkit.diagnose.fitting.evidence import Rival, explains, is_unknown, ranked_by_evidence, rival_of
+from crashkit.diagnose.fitting.evidence import FLOOR, Rival, explains, is_sound, is_unknown, ranked_by_evidence, rival_of
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.forms import in_all_forms
 from crashkit.diagnose.name.inquiry import Inquiry
@@ -26,7 +26,7 @@ def exchanged(inquiry: Inquiry, findings: Sequence[Look], search: Search, last: 
         search: the fit with them.
         last: the look at what they leave.
     """
-    if explains(search):
+    if explains(search) or (search.normalised < FLOOR and is_sound(search)):
         return None
     return min(_exchanges(inquiry, findings, search, last), key=lambda one: one[1].deviance, default=None)
 

@@ -6,18 +6,38 @@ from itertools import combinations
 from crashkit.diagnose.claims import proposed_again
 from crashkit.diagnose.fitting.couples import Couple, each_once, in_heats
 from crashkit.diagnose.fitting.evidence import Rival, is_unknown
-from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.fitting.search import Search, begin
+from crashkit.diagnose.name.forms import in_all_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.misfit import Misfit
 
 HEATS = ((None, 6), (4, 6), (2, 40))
 """How many couples enter each heat, and how many steps each gets there."""
+HOPEFUL = 0.25
+"""Of what one cause alone leaves above the noise: two that leave less may leave nothing in other forms."""
 
 
 def coupled_leaders(inquiry: Inquiry, leaders: Sequence[Rival]) -> list[Couple]:
     """The couples of claims that lead a look, the most evident first."""
     inquiry.progress(f"fitting {len(leaders)} claims beside each other", 0.0)
     return each_once(in_heats(list(_begun(inquiry, leaders)), HEATS))
+
+
+def in_other_forms(inquiry: Inquiry, couples: Sequence[Couple], alone: Search) -> list[Couple]:
+    """The couples that leave far less than one cause alone, each with its second claim in all forms, the most evident first.
+
+    Which two they are shows only there: in plain forms that are off, the wrong two leave least.
+
+    Arguments:
+        alone: the fit with the best cause alone.
+    """
+    hopeful = [couple for couple in couples if couple.search.excess < HOPEFUL * alone.excess]
+    return each_once([other for couple in hopeful for other in _with_second_in_all_forms(inquiry, couple)])
+
+
+def _with_second_in_all_forms(inquiry: Inquiry, couple: Couple) -> list[Couple]:
+    first, second = (Rival(claim, couple.search, 0.0, 0.0) for claim in (couple.first, couple.second))
+    return [Couple(couple.first, *fitted) for fitted in in_all_forms(inquiry, second, [first], couple.search)]
 
 
 def _begun(inquiry: Inquiry, leaders: Sequence[Rival]) -> Iterator[Couple]:

@@ -21,7 +21,7 @@ from crashkit.diagnose.name.follow import (
 )
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.leaders import coupled_leaders
+from crashkit.diagnose.name.leaders import coupled_leaders, in_other_forms
 from crashkit.diagnose.name.look import FORM_ERRORS, Look, compared, look_again
 from crashkit.diagnose.name.pace import check_pace
 from crashkit.diagnose.name.pairs import both, named_beside, named_instead
@@ -148,9 +148,11 @@ def _first_two(inquiry: Inquiry, near: Look, alone: Search, asked: Iterable[Sequ
 
 
 def _leading(inquiry: Inquiry, near: Look, alone: Search) -> Iterator[list[Couple]]:
-    """Couples of the causes that lead, and of those that estimates point to."""
-    yield coupled_leaders(inquiry, [rival for rival in near.rivals if not is_unknown(rival)][:LEADERS])
+    """Couples of the causes that lead, of those that estimates point to, and of the former in other forms."""
+    couples = coupled_leaders(inquiry, [rival for rival in near.rivals if not is_unknown(rival)][:LEADERS])
+    yield couples
     yield couples_at_two_places(inquiry, near, alone)
+    yield in_other_forms(inquiry, couples, alone)
 
 
 def _are_all(couples: Sequence[Couple], alone: Search) -> bool:

@@ -116,7 +116,7 @@ def _named(inquiry: Inquiry, look: Look, table: Rival) -> Look:
 def _standing_out(inquiry: Inquiry, look: Look, table: Rival) -> tuple[list[Look], Look] | None:
     """The cause that stands out beside the table, and what is left beside it; or nothing and the look that it leads, where it
     is all there is: an error of a sensor may be found only where a table has taken up what hid it."""
-    beside = look_again(inquiry, table.search.fitted(), [table])
+    beside = look_again(inquiry, table.search.fitted(), [table], quick=True)
     if beside.winner is None or is_unknown(beside.winner):
         return None
     alone = inquiry.fit_with([beside.winner], beside.winner.search)

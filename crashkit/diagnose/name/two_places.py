@@ -17,6 +17,8 @@ from crashkit.protocols import Proposal
 
 LEADING = 3
 """How many estimates that leave less than any known cause are put beside each other."""
+LESS = 0.5
+"""Of what one estimate alone leaves above the noise: two that leave more point to one place."""
 KNOWN = 2
 """How many of the causes that imitate one of them are asked for a second one."""
 
@@ -32,7 +34,7 @@ def couples_at_two_places(inquiry: Inquiry, look: Look, alone: Search) -> list[C
     """
     estimates = [rival for rival in look.rivals if is_unknown(rival) and rival.search.excess < alone.excess][:LEADING]
     pairs = coupled_leaders(inquiry, estimates)
-    if not pairs or pairs[0].search.excess > COUPLED * alone.excess:
+    if not pairs or pairs[0].search.excess > COUPLED * alone.excess or pairs[0].search.excess > LESS * estimates[0].search.excess:
         return []
     return each_once(list(_named(inquiry, pairs[0])))
 
