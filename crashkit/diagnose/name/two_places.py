@@ -34,7 +34,10 @@ def couples_at_two_places(inquiry: Inquiry, look: Look, alone: Search) -> list[C
     """
     estimates = [rival for rival in look.rivals if is_unknown(rival) and rival.search.excess < alone.excess][:LEADING]
     pairs = coupled_leaders(inquiry, estimates)
-    if not pairs or pairs[0].search.excess > COUPLED * alone.excess or pairs[0].search.excess > LESS * estimates[0].search.excess:
+    if not pairs:
+        return []
+    enough = min(COUPLED * alone.excess, LESS * estimates[0].search.excess)
+    if pairs[0].search.excess > enough:
         return []
     return each_once(list(_named(inquiry, pairs[0])))
 
