@@ -6,6 +6,7 @@ from attrs import evolve
 from crashkit.diagnose.claims import propose_all
 from crashkit.diagnose.fitting.evidence import rival_of
 from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.name import exchange
 from crashkit.diagnose.name.exchange import exchanged, in_its_stead
 from crashkit.diagnose.name.look import Look
 from crashkit.model import Joint, Parameter
@@ -52,6 +53,14 @@ def test_what_explains_no_more_takes_no_place(inquiry, base, look):
     dashpot = look(base, "viscous_damping", "linear")
     search = dashpot.leader.search
     assert exchanged(inquiry(base), [dashpot], search, look(search, "joint_friction", "sharp")) is None
+
+
+def test_nothing_is_exchanged_where_next_to_nothing_is_left(inquiry, base, look, monkeypatch):
+    friction = look(base, "joint_friction", "sharp")
+    imitation = friction.leader.search
+    last = look(imitation, "viscous_damping", "linear")
+    monkeypatch.setattr(exchange, "FLOOR", imitation.normalised + 0.01)
+    assert exchanged(inquiry(base), [friction], imitation, last) is None
 
 
 def test_what_explained_nearly_as_much_alone_takes_the_place_of_the_first_beside_the_second(inquiry, base, look):

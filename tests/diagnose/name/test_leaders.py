@@ -6,30 +6,53 @@ from attrs import evolve
 from crashkit.diagnose.claims import identity, propose_all
 from crashkit.diagnose.fitting.evidence import best_forms, ranked_by_evidence
 from crashkit.diagnose.fitting.search import begin
-from crashkit.diagnose.name.leaders import coupled_leaders
+from crashkit.diagnose.name import leaders
+from crashkit.diagnose.name.leaders import coupled_leaders, in_other_forms
 from crashkit.diagnose.name.look import Look
 from crashkit.testing import toys
 
 MASS, GAP = ("added_mass", "body rear"), ("clearance", "joint second")
+DAMPER = ("viscous_damping", "joint second")
+FREE = ("body.front.mass",)
 ASKED = ("added_mass", "clearance", "carried_load", "peak_load", "unknown")
 
 
 @pytest.fixture(scope="module")
-def asked(workshop, inquiry, misfit, recorded):
-    """Of a model whose rear mass is a tenth too small and that lacks a gap, an inquiry, and what some claims alone explain."""
-    rear = evolve(toys.two_degrees().body("rear").mass, fixed=True)
-    two = toys.two_degrees().with_parameters({"body.rear.mass": rear})
-    two = two.with_parameters({path: evolve(p, fixed=True) for path, p in two.parameters().items() if "joint" in path})
+def lacking(workshop, inquiry, misfit, recorded):
+    """Of a model whose rear mass is a tenth too small and that lacks what a claim says at these numbers, an inquiry, and what
+    those of the claims that are asked explain alone."""
+    two = toys.two_degrees()
+    two = two.with_parameters({path: evolve(p, fixed=True) for path, p in two.parameters().items() if path not in FREE})
+    rear = two.body("rear").mass
     heavy = two.with_parameters({"body.rear.mass": evolve(rear, value=1.1 * rear.value)})
-    loose = next(p for p in propose_all(workshop, misfit(heavy, run=recorded(heavy))) if identity(p) == GAP)
-    (path,) = loose.parameters
-    true = loose.model.with_parameters({path: evolve(loose.model.parameters()[path], value=0.1)})
-    given = misfit(two, slow=recorded(true, 0.9, 1), fast=recorded(true, 1.2, 2)).with_prior(0.3)
-    base = begin(workshop.identifier, given).advance(60)
-    claims = [p for p in propose_all(workshop, base.fitted()) if p.physics in ASKED and not p.refined]
-    starts = [workshop.misfit(base.fitted(), p.model).with_values(p.starts[0]) for p in claims]
-    fits = [(p, begin(workshop.identifier, start).advance(40)) for p, start in zip(claims, starts, strict=True)]
-    return inquiry(base, given=given), Look.of(best_forms(ranked_by_evidence(fits, base.deviance)), base.fitted())
+
+    def looked_at(lacks, form, numbers, is_asked):
+        offered = propose_all(workshop, misfit(heavy, run=recorded(heavy)))
+        claim = next(p for p in offered if (identity(p), p.form) == (lacks, form))
+        known = claim.model.parameters()
+        values = {path: evolve(known[path], value=v) for path, v in zip(claim.parameters, numbers, strict=True)}
+        true = claim.model.with_parameters(values)
+        given = misfit(two, slow=recorded(true, 0.9, 1), fast=recorded(true, 1.2, 2)).with_prior(0.3)
+        base = begin(workshop.identifier, given).advance(60)
+        claims = [p for p in propose_all(workshop, base.fitted()) if is_asked(p)]
+        starts = [workshop.misfit(base.fitted(), p.model).with_values(p.starts[0]) for p in claims]
+        fits = [(p, begin(workshop.identifier, start).advance(40)) for p, start in zip(claims, starts, strict=True)]
+        return inquiry(base, given=given), Look.of(best_forms(ranked_by_evidence(fits, base.deviance)), base.fitted())
+
+    return looked_at
+
+
+@pytest.fixture(scope="module")
+def asked(lacking):
+    """That lacks a gap."""
+    return lacking(GAP, "gap", (0.1,), lambda claim: claim.physics in ASKED and not claim.refined)
+
+
+@pytest.fixture(scope="module")
+def damped(lacking):
+    """That lacks a damper which grows with the stroke, of which the linear form is asked."""
+    plain = {MASS: "constant", DAMPER: "linear"}
+    return lacking(DAMPER, "growing with the stroke", (500.0, 0.2), lambda claim: plain.get(identity(claim)) == claim.form)
 
 
 def test_together_they_leave_nothing_where_each_alone_leaves_much(asked):
@@ -47,6 +70,21 @@ def test_no_two_claims_come_twice_nor_one_beside_itself(asked):
     claims = [frozenset((identity(couple.first), identity(couple.second))) for couple in couples]
     assert len(set(claims)) == len(claims)
     assert all(len(two) == 2 for two in claims)
+
+
+def test_a_couple_that_leaves_little_leaves_nothing_in_the_form_that_is_right(damped):
+    inquiry, look = damped
+    couples = coupled_leaders(inquiry, look.rivals)
+    best = in_other_forms(inquiry, couples, look.leader.search)[0]
+    assert couples[0].search.normalised > 1.2
+    assert best.search.normalised == pytest.approx(1.0, abs=0.05)
+    assert {best.first.form, best.second.form} == {"constant", "growing with the stroke, only pushing"}
+
+
+def test_other_forms_are_not_asked_of_a_couple_that_leaves_much(damped, monkeypatch):
+    inquiry, look = damped
+    monkeypatch.setattr(leaders, "HOPEFUL", 0.0)
+    assert in_other_forms(inquiry, coupled_leaders(inquiry, look.rivals), look.leader.search) == []
 
 
 def test_of_all_causes_those_two_leave_least(asked):

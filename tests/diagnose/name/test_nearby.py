@@ -27,18 +27,19 @@ def leaving(normalised):
 
 @pytest.fixture
 def two(monkeypatch):
-    """Whether two causes are told that leave so much, as the leaders, as two places, and as all do, where the best of them
-    alone leaves so much; and who was asked for."""
+    """Whether two causes are told that leave so much, as the leaders, as two places, as the leaders in other forms, and as all
+    do, where the best of them alone leaves so much; and who was asked for."""
     asked = []
 
     def answering(name, left):
         couples = [Couple(None, None, leaving(one)) for one in left]
         return lambda *_: asked.append(name) or couples
 
-    def told(alone, leaders, places=(), everyone=(), base=9.0):
+    def told(alone, leaders, places=(), everyone=(), base=9.0, forms=()):
         for name, left in {
             "coupled_leaders": leaders,
             "couples_at_two_places": places,
+            "in_other_forms": forms,
         }.items():
             monkeypatch.setattr(nearby, name, answering(name, left))
         monkeypatch.setattr(nearby, "both", lambda inquiry, look: (look, evolve(look, couples=())))
@@ -78,8 +79,14 @@ def test_else_those_at_two_places_are_and_then_those_of_all(two, alone, together
     assert two.asked == ["coupled_leaders", "couples_at_two_places"] + 2 * [
         "coupled_leaders",
         "couples_at_two_places",
+        "in_other_forms",
         "from_given",
     ]
+
+
+def test_two_leaders_that_leave_next_to_nothing_in_other_forms_are_followed(two):
+    assert two(3.0, [1.2], [], [1.0], forms=[1.01]) == [1.01]
+    assert two.asked == ["coupled_leaders", "couples_at_two_places", "in_other_forms"]
 
 
 def test_those_of_all_are_asked_later_where_one_alone_leaves_most(two):

@@ -42,7 +42,7 @@ def named(monkeypatch, inquiry):
         imitations = [("fracture", imitation)] if imitation else []
         monkeypatch.setattr(imitate, "imitating", lambda *_: imitations)
         monkeypatch.setattr(imitate, "ranked_by_evidence", lambda found, reference: [rival(*one) for one in found])
-        monkeypatch.setattr(pairs, "look_again", lambda *_: next(looks))
+        monkeypatch.setattr(pairs, "look_again", lambda *_, quick=False: next(looks))
         monkeypatch.setattr(pairs, "rival_of", weighed)
         monkeypatch.setattr(pairs, "settled", lambda inquiry, look, winner, found: look)
         monkeypatch.setattr(pairs, "in_best_forms", lambda inquiry, findings, search: (better(findings), search))

@@ -46,10 +46,11 @@ def test_the_causes_of_both_places_are_told(asked):
     assert best.search.normalised == pytest.approx(1.0, abs=0.05)
 
 
-def test_nothing_is_told_where_the_estimates_leave_hardly_less_than_a_known_cause(asked, monkeypatch):
+@pytest.mark.parametrize("share", ["COUPLED", "LESS"])
+def test_nothing_is_told_where_the_estimates_leave_hardly_less_than_a_known_cause_or_one_of_them(asked, monkeypatch, share):
     inquiry, look = asked
     known = next(rival for rival in look.rivals if not is_unknown(rival))
-    monkeypatch.setattr(two_places, "COUPLED", 0.0)
+    monkeypatch.setattr(two_places, share, 0.0)
     assert couples_at_two_places(inquiry, look, known.search) == []
 
 
