@@ -85,6 +85,8 @@ def _as_seen(workshop: Workshop, look: Look, rival: Rival) -> Rival:
 
 def in_all_forms(inquiry: Inquiry, rival: Rival, others: Sequence[Rival], search: Search) -> list[Candidate]:
     """Fits of a claim in all its forms, from where its present one, or what stands in for it, has driven all other numbers."""
+    doing = f"fitting all forms of {rival.proposal.physics}"
+    inquiry.progress(doing, 0.0)
     without = inquiry.fit_with(others, search)
     if without is None:
         return []
@@ -95,7 +97,7 @@ def in_all_forms(inquiry: Inquiry, rival: Rival, others: Sequence[Rival], search
         return []
     equipped = inquiry.workshop.equipped([form.model for form in forms])
     starts = [(form, {**form.null, **start}) for form in forms for start in _starts(form, rival.proposal, found)]
-    told = partial(inquiry.progress, f"fitting all forms of {rival.proposal.physics}")
+    told = partial(inquiry.progress, doing)
     ahead = _ahead(equipped, origin, search.fitted(), starts, told)
     misfits = [with_form(equipped, origin, form, values) for (form, _), values in zip(starts, ahead, strict=True)]
     return _fitted(begin_candidates(equipped.identifier, [form for form, _ in starts], misfits))

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from crashkit.diagnose.fitting.search import Search, begin
+from crashkit.diagnose.fitting.search import begin
 from crashkit.errors import SimulationError
 from crashkit.misfit import Misfit
 from crashkit.protocols import Identifier
@@ -13,21 +13,19 @@ STEPS = 8
 """From a fit to all runs to one without one of them it is not far."""
 
 
-def left_out_drop(before: Misfit, after: Search) -> float:
-    """By how much chi squared of every run drops when a model with the physics predicts it, instead of one without.
+def left_out_sum(identifier: Identifier[Any], misfit: Misfit) -> float:
+    """Chi squared of all runs, each predicted by a model that is fitted to the others.
 
-    Each model is fitted to all runs but one, which it then predicts; the drops of all runs are added. NaN where there is one
-    run only.
+    That of a model without a piece of physics, less that of one with it, tells whether it predicts what it was not fitted to.
+    NaN where there is one run only.
 
     Arguments:
-        before: the model without, at its best fit.
-        after: the fit of the model with the physics.
+        misfit: of the model, at its best fit to all.
     """
-    if len(before.recordings) < 2:
+    if len(misfit.recordings) < 2:
         return float("nan")
-    identifier, fitted = after.identifier, after.fitted()
     try:
-        return sum(_chi_squared(identifier, before, run) - _chi_squared(identifier, fitted, run) for run in before.recordings)
+        return sum(_chi_squared(identifier, misfit, run) for run in misfit.recordings)
     except SimulationError:
         return float("nan")
 

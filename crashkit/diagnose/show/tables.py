@@ -1,6 +1,8 @@
 """The tables and curves behind a diagnosis."""
 
 from collections.abc import Sequence
+from functools import partial
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -8,12 +10,13 @@ import xarray as xr
 from crashkit.campaign import spread
 from crashkit.diagnose.claims import identity
 from crashkit.diagnose.name.follow import Discovery
+from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.result import own_name, place_of
-from crashkit.diagnose.show.left_out import left_out_drop
+from crashkit.diagnose.show.left_out import left_out_sum
 from crashkit.diagnose.workshop import Workshop
-from crashkit.misfit import Group
+from crashkit.misfit import Group, Misfit
 from crashkit.misfit.units import units_of
-from crashkit.protocols import Identification, Proposal
+from crashkit.protocols import Identification, Identifier, Proposal
 
 LEADING = 3
 """Rivals of each look that are also asked for runs that they have not seen."""
@@ -22,9 +25,7 @@ LEADING = 3
 def ranking_table(discovery: Discovery) -> xr.Dataset:
     """Every rival that was fitted, look by look; the first few also with how they predict runs that are left out."""
     looks = [*discovery.findings, *([discovery.last] if discovery.last else [])]
-    leading = [(number, look.before, r) for number, look in enumerate(looks) for r in look.rivals[:LEADING]]
-    drops = spread(lambda one: left_out_drop(one[1], one[2].search), leading)
-    predicted = {(number, r.identity): drop for (number, _, r), drop in zip(leading, drops, strict=True)}
+    predicted = _left_out_drops(discovery.search.identifier, looks)
     rows = [
         (
             r.proposal.physics,
@@ -42,6 +43,14 @@ def ranking_table(discovery: Discovery) -> xr.Dataset:
     names = ("physics", "form", "place", "round", "parameters", "misfit_drop", "probability", "left_out_drop")
     columns = list(zip(*rows, strict=True)) if rows else [()] * len(names)
     return xr.Dataset({name: ("hypothesis", np.array(column)) for name, column in zip(names, columns, strict=True)})
+
+
+def _left_out_drops(identifier: Identifier[Any], looks: Sequence[Look]) -> dict[tuple[int, tuple[str, str]], float]:
+    """By look and claim, of the first few of each, how much better runs that are left out are predicted with it."""
+    asked: dict[tuple[int, tuple[str, str] | None], Misfit] = {(n, None): look.before for n, look in enumerate(looks)}
+    asked |= {(number, r.identity): r.search.fitted() for number, look in enumerate(looks) for r in look.rivals[:LEADING]}
+    sums = dict(zip(asked, spread(partial(left_out_sum, identifier), list(asked.values())), strict=True))
+    return {(number, claim): sums[number, None] - left for (number, claim), left in sums.items() if claim is not None}
 
 
 def limits_table(workshop: Workshop, discovery: Discovery) -> xr.Dataset:

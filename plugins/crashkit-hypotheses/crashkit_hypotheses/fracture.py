@@ -11,6 +11,7 @@ from crashkit.protocols import Hypothesis, Proposal
 from crashkit.registry import load
 from crashkit_hypotheses.build import Effect, added, grid, multiplied
 from crashkit_hypotheses.sizes import (
+    duration,
     is_compressed,
     largest_deformation,
     largest_extension,
@@ -28,8 +29,8 @@ FIRST, STEPS = (0.1, 0.3, 0.5), (0.25, 0.4)
 
 
 class Fracture(Hypothesis):
-    """F = F_law (1 - loss) for good: beyond a compression, at once, over a length, smoothly or in two steps, or beyond an
-    extension; or only the loading curve loses a force, and unloading is as steep as before.
+    """F = F_law (1 - loss) for good: beyond a compression, at once, over a length, smoothly, in two steps or in time, or
+    beyond an extension; or only the loading curve loses a force, and unloading is as steep as before.
 
     A member whose force rises as it is deformed breaks at a force where it breaks at a deformation; the two are one form.
     """
@@ -72,6 +73,7 @@ class Fracture(Hypothesis):
         return [
             once,
             self._smooth(model, joint, reached, shortest),
+            self._delayed(model, joint, reached, motion),
             evolve(twice, null=nothing, refined=True),
             *self._of_its_curve(model, joint, softening, starts, force),
         ]
@@ -86,6 +88,20 @@ class Fracture(Hypothesis):
         starts = grid(softening_middle=[share * reached for share in SHARES[1:]])
         smoothly = Effect(self.physics, "smoothly", "smooth_softening", smooth, "loss", starts)
         return evolve(multiplied(model, joint, smoothly), refined=True)
+
+    def _delayed(self, model: Model, joint: Joint, reached: float, motion: Sequence[xr.Dataset]) -> Proposal:
+        """A loss in time, once it has been deformed so far."""
+        lasts = duration(motion)
+        late = {
+            "softening_deformation": Parameter(0.3 * reached, 0.01 * reached, reached),
+            "loss": LOSS,
+            "delay": Parameter(0.05 * lasts, 0.0, lasts),
+            "duration": Parameter(0.05 * lasts, 1e-3 * lasts, lasts),
+        }
+        starts = grid(softening_deformation=[share * reached for share in SHARES[1:]])
+        return evolve(
+            multiplied(model, joint, Effect(self.physics, "delayed", "delayed_softening", late, "loss", starts)), refined=True
+        )
 
     def _of_its_curve(
         self,

@@ -384,6 +384,12 @@ def unzipped(model):
     return with_factor(model, "first", "stepwise_softening", steps)
 
 
+def cracking(model):
+    """A crack begins to run some time after its member has been deformed so far."""
+    late = fixed(softening_deformation=0.3, loss=0.5, delay=0.03, duration=0.01)
+    return with_factor(model, "first", "delayed_softening", late)
+
+
 def pulsed(model):
     """A force of the time alone, in the first joint."""
     heights = tuple(Parameter(height, fixed=True) for height in (0.0, 6e3, 9e3, 0.0, -4e3, 0.0))
@@ -712,6 +718,10 @@ CASES = {
     unzipped: (
         ("fracture", "in two steps", {"joint": "first"}),
         {"loss": 0.3, "second_loss": 0.3, "softening_deformation": 0.5, "step_way": 0.7},
+    ),
+    cracking: (
+        ("fracture", "delayed", {"joint": "first"}),
+        {"loss": 0.5, "softening_deformation": 0.3, "delay": 0.03, "duration": 0.01},
     ),
     pulsed: (("unknown", "time", {"joint": "first"}), {}),
     weakened: (("unknown", "rate, as a factor", {"joint": "first"}), {}),

@@ -7,6 +7,7 @@ from crashkit_spring_laws.folding import Folding, FoldingShare
 from crashkit_spring_laws.fracture import Brittle, Fracture, Tear
 from crashkit_spring_laws.friction import Coulomb, Dahl, Rubbing, RubbingGap
 from crashkit_spring_laws.gradual_loss import (
+    DelayedSoftening,
     Fading,
     LostForce,
     PlasticShare,
@@ -95,6 +96,7 @@ SPRING_LAWS = (
     Softening,
     LostForce,
     StepwiseSoftening,
+    DelayedSoftening,
     UnloadingLoss,
     ResidualSet,
     PlasticShare,
@@ -120,6 +122,7 @@ __all__ = [
     "Dahl",
     "DampedStop",
     "DecayingPeak",
+    "DelayedSoftening",
     "DippingPeak",
     "DrivenCurve",
     "ExponentialStop",

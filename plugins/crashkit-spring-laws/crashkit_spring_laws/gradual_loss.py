@@ -100,6 +100,52 @@ class StepwiseSoftening(SpringLaw):
         return max(0.0, 1.0 - loss * first - second_loss * second)
 
 
+class DelayedSoftening(SpringLaw):
+    """A member that tears open in time: 1 - loss min(1, max(0, m - delay) / duration), m' = 1 once d_max passes a deformation.
+
+    The memory m is the time since then, as of a crack that runs, or a weld that opens.
+    """
+
+    name = "delayed_softening"
+    unit = "1"
+    memory = "time_since"
+    jumps = True
+    parameters = (
+        ParameterSpec("softening_deformation", "m", "largest deformation that is borne whole", lower=1e-4),
+        LOSS,
+        ParameterSpec("delay", "s", "from there until it begins to tear", lower=0.0),
+        ParameterSpec("duration", "s", "of the tearing", lower=1e-4),
+    )
+
+    @staticmethod
+    def force(
+        d: float,
+        ddot: float,
+        d_max: float,
+        time_since: float,
+        softening_deformation: float,
+        loss: float,
+        delay: float,
+        duration: float,
+    ) -> float:
+        """The factor."""
+        return 1.0 - loss * min(1.0, max(0.0, time_since - delay) / duration)
+
+    @staticmethod
+    def memory_rate(
+        d: float,
+        ddot: float,
+        d_max: float,
+        time_since: float,
+        softening_deformation: float,
+        loss: float,
+        delay: float,
+        duration: float,
+    ) -> float:
+        """1 once it has been deformed so far."""
+        return 1.0 if d_max > softening_deformation else 0.0
+
+
 class UnloadingLoss(SpringLaw):
     """A member that gives back less than it took: 1 - loss (1 - exp(-(d_max - d) / unloading_length))."""
 

@@ -21,6 +21,7 @@ from crashkit_spring_laws import (
     Dahl,
     DampedStop,
     DecayingPeak,
+    DelayedSoftening,
     DippingPeak,
     DrivenCurve,
     ExponentialStop,
@@ -169,6 +170,7 @@ EXAMPLES = [
         StepwiseSoftening,
         {"softening_deformation": 0.2, "softening_length": 0.1, "loss": 0.3, "step_way": 0.2, "second_loss": 0.2},
     ),
+    (DelayedSoftening, {"softening_deformation": 0.3, "loss": 0.5, "delay": 0.004, "duration": 0.002}),
     (Fading, {"fading_share": 0.6, "relaxation_time": 0.02}),
     (QuasiLinear, {"fresh_share": 0.6, "relaxation_time": 0.02, "holds": 1.0}),
     (Tie, {"stiffness": 1e6, "damping": 2e3, "slack": 0.05}),
@@ -583,6 +585,13 @@ def test_a_member_may_tear_in_two_steps():
     factors = [value(StepwiseSoftening, 0.1, d_max=deepest, **member) for deepest in (0.2, 0.25, 0.35, 0.45, 0.9)]
     assert factors == pytest.approx([1.0, 0.85, 0.7, 0.6, 0.5])
     assert value(StepwiseSoftening, 0.9, **member | {"loss": 0.9}) == 0.0
+
+
+def test_a_member_may_tear_some_time_after_it_was_deformed_so_far():
+    member = {"softening_deformation": 0.3, "loss": 0.6, "delay": 0.004, "duration": 0.002}
+    factors = [DelayedSoftening.force(0.1, 0.0, 0.4, since, **member) for since in (0.0, 0.004, 0.005, 0.02)]
+    assert factors == pytest.approx([1.0, 1.0, 0.7, 0.4])
+    assert [DelayedSoftening.memory_rate(0.1, 0.0, deepest, 0.0, **member) for deepest in (0.2, 0.4)] == [0.0, 1.0]
 
 
 def test_a_share_is_lost_on_the_way_back():

@@ -24,7 +24,7 @@ from crashkit.diagnose.name.inquiry import Inquiry, is_given
 from crashkit.diagnose.name.look import LEAST_DROP, Look, least_drop
 from crashkit.diagnose.name.needed import _asked, _spare, needed, price
 from crashkit.diagnose.refining import _is_worthless
-from crashkit.diagnose.show.left_out import left_out_drop
+from crashkit.diagnose.show.left_out import left_out_sum
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_body, with_joint
 from crashkit.protocols import Proposal
@@ -317,12 +317,13 @@ def test_what_a_finding_has_added_is_no_place_for_more(model):
 
 def test_physics_that_is_there_predicts_runs_that_were_left_out(offered):
     look, base, final = offered(800.0)
-    assert left_out_drop(base.fitted(), final) > 0.5 * look.leader.drop > 100.0
+    without, there = (left_out_sum(final.identifier, search.fitted()) for search in (base, final))
+    assert without - there > 0.5 * look.leader.drop > 100.0
 
 
 def test_one_run_leaves_nothing_to_predict(offered):
     _, base, final = offered(800.0)
-    assert np.isnan(left_out_drop(base.fitted().with_recordings(("slow",)), final))
+    assert np.isnan(left_out_sum(final.identifier, base.fitted().with_recordings(("slow",))))
 
 
 @pytest.mark.parametrize(("place", "convinces"), [({"joint": "front"}, False), ({"sensor": "front", "instrument": "a"}, True)])
