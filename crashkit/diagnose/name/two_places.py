@@ -17,7 +17,7 @@ from crashkit.protocols import Proposal
 
 LEADING = 3
 """How many estimates that leave less than any known cause are put beside each other."""
-LESS = 0.5
+LESS = 0.25
 """Of what one estimate alone leaves above the noise: two that leave more point to one place."""
 KNOWN = 2
 """How many of the causes that imitate one of them are asked for a second one."""

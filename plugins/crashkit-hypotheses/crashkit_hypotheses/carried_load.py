@@ -19,7 +19,7 @@ LEAST = 1e-3
 SLACKS = (0.02, 0.06)
 SLIP = 0.05
 """m s-1, below which friction is smooth."""
-RUBBING, MOST_RUBBING = 0.05, 0.02
+RUBBING, MOST_RUBBING = 0.05, 0.1
 """Friction of a load to start from, of the force that stops it; and the most, of the force that stops its carrier."""
 UNSEEN = (5.0, 0.1)
 """Speed in m s-1 and time in s of a stop, where the motion shows none."""
