@@ -30,6 +30,8 @@ CHALLENGERS = 2
 """How many of its rivals with fewer numbers challenge a winner."""
 CLOSE = 1.1
 """Normalised residual of a rival in a plain form that another form may bring to the noise."""
+LITTLE = 0.05
+"""Of chi squared without it: a winner that leaves less may be off in its form only, or be another at its place that is."""
 NEARLY = 0.9
 """Of what a winner explains that leaves something: a rival that explains as much may explain more in another form."""
 
@@ -125,7 +127,8 @@ def _contested(inquiry: Inquiry, look: Look, found: Sequence[Rival]) -> Look:
     winner, place = look.leader, look.leader.place
     here = [rival for rival in look.rivals if not is_unknown(rival) and rival.place == place]
     close = [rival for rival in here[: 1 + CHALLENGERS] if _is_close(rival, winner)]
-    if winner.search.normalised > CONCEALED or len(close) < 2:
+    leaves_little = winner.search.normalised <= CONCEALED or winner.search.deviance < LITTLE * winner.without
+    if not leaves_little or len(close) < 2:
         return look
     fitted = [one for rival in close for one in in_all_forms(inquiry, rival, found, winner.search)]
     forms = ranked_by_evidence(fitted, winner.without)
