@@ -10,8 +10,11 @@ from crashkit.model import Body, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import Effect, grid, grounded, proposal
 from crashkit_hypotheses.friction import REFINED, TAIL, falling, smooth
-from crashkit_hypotheses.sizes import forces_recorded, largest_speed, largest_travel
+from crashkit_hypotheses.sizes import duration, forces_recorded, largest_speed, largest_travel
 
+PUT_ON = "from a time on"
+BEGINS = (0.05, 0.2, 0.5)
+"""Of the duration of the longest run: when friction may set in."""
 ACROSS = ("constant", "smooth")
 """Forms of friction that are also tried across the direction of travel, in the plane."""
 
@@ -38,8 +41,8 @@ class AddedMass(Hypothesis):
 
 
 class GroundFriction(Hypothesis):
-    """A near-constant force brakes a body: F = f sign(v), or one that sets in smoothly, falls with speed or begins later;
-    along the direction of travel, and in the plane also across it."""
+    """A near-constant force brakes a body: F = f sign(v), or one that sets in smoothly, falls with speed, or begins later or
+    from a time on; along the direction of travel, and in the plane also across it."""
 
     physics: ClassVar[str] = "ground_friction"
     sentence: ClassVar[str] = "{place} is braked by friction on the ground"
@@ -68,9 +71,16 @@ class GroundFriction(Hypothesis):
             Effect(self.physics, form, "coulomb", friction, "friction_force", starts)
             for form, (friction, starts) in forms.items()
         ]
-        along = [evolve(grounded(model, body, effect), refined=effect.form in REFINED) for effect in effects]
+        effects.append(_brake(self.physics, constant | established, duration(motion)))
+        along = [evolve(grounded(model, body, effect), refined=effect.form in (*REFINED, PUT_ON)) for effect in effects]
         sideways = [effect for effect in effects if effect.form in ACROSS] if len(model.axes) == 2 else []
         return [*along, *(_across_too(model, body, effect) for effect in sideways)]
+
+
+def _brake(physics: str, friction: Mapping[str, Parameter], lasts: float) -> Effect:
+    """Friction that sets in at a time, little by little."""
+    times = {"start": Parameter(0.1 * lasts, 0.0, lasts), "rise": Parameter(0.05 * lasts, 1e-3 * lasts, lasts)}
+    return Effect(physics, PUT_ON, "brake", {**friction, **times}, "friction_force", grid(start=[s * lasts for s in BEGINS]))
 
 
 def _across_too(model: Model, body: Body, effect: Effect) -> Proposal:

@@ -487,6 +487,13 @@ def in_soil(model):
     return grounded(released(model, 500.0), "crush_plateau | viscous", {**soil, **fixed(unloading_stiffness=2e6, damping=2e3)})
 
 
+def braked(model):
+    """A brake that is put on after a while."""
+    ground = Body("ground", (100.0,), (0.0,), fixed=True)
+    brake = fixed(friction_force=8e3, slip_rate=0.05, start=0.03, rise=0.02)
+    return with_joint(evolve(model, bodies=(*model.bodies, ground)), Joint("brake", ("ground", "rear"), "brake", brake))
+
+
 def dragging(model):
     """Something under the rear touches the ground after 0.8 m."""
     ground = Body("ground", (100.0,), (0.0,), fixed=True)
@@ -766,6 +773,10 @@ CASES = {
         {"crush_force": 3e4, "densification_stiffness": 8e4},
     ),
     sprung: (("obstacle_motion", "sprung", {"body": "wall"}), {"mass": 500.0, "stiffness": 4e5, "damping": 2e3}),
+    braked: (
+        ("ground_friction", "from a time on", {"body": "rear"}),
+        {"friction_force": 8e3, "start": 0.03, "rise": 0.02},
+    ),
     dragging: (("ground_friction", "later", {"body": "rear"}), {"friction_force": 4e3, "clearance": 0.8}),
     clipping: (("saturation", "limit", {"sensor": "rear_sensor"}), {"saturation": 45.0}),
     ringing: (

@@ -5,7 +5,7 @@ from crashkit_spring_laws.crush_plateau import CrushPlateau
 from crashkit_spring_laws.dampers import Viscous, ViscousGrowing, ViscousKnee, ViscousPower, ViscousSaturating
 from crashkit_spring_laws.folding import Folding, FoldingShare
 from crashkit_spring_laws.fracture import Brittle, Fracture, Tear
-from crashkit_spring_laws.friction import Coulomb, Dahl, Rubbing, RubbingGap
+from crashkit_spring_laws.friction import Brake, Coulomb, Dahl, Rubbing, RubbingGap
 from crashkit_spring_laws.gradual_loss import (
     DelayedSoftening,
     Fading,
@@ -66,6 +66,7 @@ SPRING_LAWS = (
     ViscousSaturating,
     Coulomb,
     Dahl,
+    Brake,
     Rubbing,
     RubbingGap,
     Maxwell,
@@ -115,6 +116,7 @@ __all__ = [
     "BellPeak",
     "BoucWen",
     "Brittle",
+    "Brake",
     "Bump",
     "Coulomb",
     "CrushPlateau",

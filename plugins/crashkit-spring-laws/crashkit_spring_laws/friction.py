@@ -67,6 +67,50 @@ class Coulomb(SpringLaw):
         return friction_force * share * level * max(always, min(1.0, max(0.0, d - clearance) / engagement))
 
 
+class Brake(SpringLaw):
+    """A brake that is put on at a time: F = friction_force tanh(ddot / slip_rate) min(1, max(0, m - start) / rise), m' = 1.
+
+    The memory m is the time since t = 0.
+    """
+
+    name = "brake"
+    memory = "time_passed"
+    parameters = (
+        FRICTION_FORCE,
+        SLIP_RATE,
+        ParameterSpec("start", "s", "when it begins to brake", lower=0.0),
+        ParameterSpec("rise", "s", "from there until it brakes fully", lower=1e-4),
+    )
+
+    @staticmethod
+    def force(
+        d: float,
+        ddot: float,
+        d_max: float,
+        time_passed: float,
+        friction_force: float,
+        slip_rate: float,
+        start: float,
+        rise: float,
+    ) -> float:
+        """The force, N, compression positive."""
+        return friction_force * math.tanh(ddot / slip_rate) * min(1.0, max(0.0, time_passed - start) / rise)
+
+    @staticmethod
+    def memory_rate(
+        d: float,
+        ddot: float,
+        d_max: float,
+        time_passed: float,
+        friction_force: float,
+        slip_rate: float,
+        start: float,
+        rise: float,
+    ) -> float:
+        """How fast time passes, 1."""
+        return 1.0
+
+
 class Rubbing(SpringLaw):
     """Dry friction that the joint's own force presses.
 

@@ -142,7 +142,7 @@ class DelayedSoftening(SpringLaw):
         delay: float,
         duration: float,
     ) -> float:
-        """1 once it has been deformed so far."""
+        """How fast time passes, 1, once it has been deformed so far."""
         return 1.0 if d_max > softening_deformation else 0.0
 
 

@@ -13,6 +13,7 @@ from crashkit_spring_laws import (
     SPRING_LAWS,
     BellPeak,
     BoucWen,
+    Brake,
     Brittle,
     Bump,
     Coulomb,
@@ -194,16 +195,29 @@ class TestSpringLaws(SpringLawContract):
         return example[1]
 
 
+@pytest.fixture(
+    params=[
+        (TimeTable, {"heights": [1e4, -2e4, 3e4], "duration": 0.2}),
+        (Brake, {"friction_force": 5e3, "start": 0.02, "rise": 0.01}),
+    ],
+    ids=lambda example: example[0].name,
+)
+def of_the_time(request):
+    return request.param
+
+
 class TestForceOfTheTime(SpringLawContract):
+    """The memory is the time itself, which passes at rest too."""
+
     preload = True
 
     @pytest.fixture
-    def law(self):
-        return TimeTable
+    def law(self, of_the_time):
+        return of_the_time[0]
 
     @pytest.fixture
-    def parameters(self):
-        return {"heights": [1e4, -2e4, 3e4], "duration": 0.2}
+    def parameters(self, of_the_time):
+        return of_the_time[1]
 
 
 class TestForceAtNoDeformation(SpringLawContract):
@@ -221,7 +235,7 @@ class TestForceAtNoDeformation(SpringLawContract):
 
 
 def test_every_law_is_tested():
-    assert {law for law, _ in EXAMPLES} | {TimeTable} == set(SPRING_LAWS)
+    assert {law for law, _ in EXAMPLES} | {TimeTable, Brake} == set(SPRING_LAWS)
 
 
 def value(law, d, ddot=0.0, d_max=None, **parameters):
@@ -592,6 +606,13 @@ def test_a_member_may_tear_some_time_after_it_was_deformed_so_far():
     factors = [DelayedSoftening.force(0.1, 0.0, 0.4, since, **member) for since in (0.0, 0.004, 0.005, 0.02)]
     assert factors == pytest.approx([1.0, 1.0, 0.7, 0.4])
     assert [DelayedSoftening.memory_rate(0.1, 0.0, deepest, 0.0, **member) for deepest in (0.2, 0.4)] == [0.0, 1.0]
+
+
+def test_a_brake_is_put_on_at_a_time():
+    brake = {"friction_force": 5e3, "slip_rate": 0.05, "start": 0.02, "rise": 0.01}
+    forces = [Brake.force(0.1, ddot, 0.1, since, **brake) for ddot, since in ((2.0, 0.02), (2.0, 0.025), (-2.0, 0.1))]
+    assert forces == pytest.approx([0.0, 2.5e3, -5e3])
+    assert Brake.memory_rate(0.1, 0.0, 0.1, 0.0, **brake) == 1.0
 
 
 def test_a_share_is_lost_on_the_way_back():
