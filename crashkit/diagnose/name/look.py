@@ -83,7 +83,7 @@ class Look:
         if not self.rivals or self.nothing >= CHANCE:
             return None
         first = self.leader
-        least = _least_of(first.proposal, self.least)
+        least = least_of(first.proposal, self.least)
         is_enough = first.drop > least or (first.drop > COMPLETING * least and self._is_completed_by(first))
         return first if is_enough else None
 
@@ -114,7 +114,7 @@ def look_again(
     equipped = inquiry.workshop.equipped([p.model for p in proposals])
     least, couples = least_drop(found), tuple[Couple, ...]()
     if begun is None:
-        ranked, limits = nearest_rivals(equipped, current, proposals, partial(_least_of, least=least), inquiry.progress)
+        ranked, limits = nearest_rivals(equipped, current, proposals, partial(least_of, least=least), inquiry.progress)
     else:
         ranked, limits = list(begun.rivals), list(begun.limits)
     if not quick:
@@ -141,7 +141,7 @@ def _is_exact(proposal: Proposal) -> bool:
     return accuses_instrument(proposal) and len(proposal.parameters) == 1
 
 
-def _least_of(proposal: Proposal, least: float) -> float:
+def least_of(proposal: Proposal, least: float) -> float:
     """What this claim must explain where `least` is asked of one about the structure."""
     return max(LEAST_DROP, READINGS * least) if accuses_instrument(proposal) else least
 
