@@ -9,7 +9,7 @@ from crashkit.diagnose.claims import price_of
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.rebuild import alone_again, rebuild
 from crashkit.diagnose.fitting.search import Search
-from crashkit.diagnose.name.look import LEAST_DROP, Look, least_drop, least_of
+from crashkit.diagnose.name.look import COMPLETING, LEAST_DROP, Look, least_drop, least_of
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
@@ -56,10 +56,10 @@ def _asked(rival: Rival, explained: Sequence[tuple[Rival, float]], misfit: Misfi
     """Chi squared that a finding must explain beside all, which explain so much in the final fit.
 
     What one explained when it was found says less: thinned recordings hardly show what rings. One of three may have been found
-    before those that made it spare, and is asked as a third one is.
+    before those that made it spare, and is asked at least what a third one is that leaves nothing.
     """
     others = [one for one, _ in explained if one is not rival]
-    third = least_of(rival.proposal, least_drop(others)) if len(others) > 1 else 0.0
+    third = COMPLETING * least_of(rival.proposal, least_drop(others)) if len(others) > 1 else 0.0
     there = [drop for one, drop in explained if one.place == rival.place and one is not rival and np.isfinite(drop)]
     return max([price(rival.proposal, misfit), third, *(THERE * drop for drop in there)])
 
