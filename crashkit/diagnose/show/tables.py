@@ -47,7 +47,9 @@ def ranking_table(discovery: Discovery) -> xr.Dataset:
 
 def _left_out_drops(identifier: Identifier[Any], looks: Sequence[Look]) -> dict[tuple[int, tuple[str, str]], float]:
     """By look and claim, of the first few of each, how much better runs that are left out are predicted with it."""
-    asked: dict[tuple[int, tuple[str, str] | None], Misfit] = {(n, None): look.before for n, look in enumerate(looks)}
+    asked: dict[tuple[int, tuple[str, str] | None], Misfit] = {
+        (number, None): look.before for number, look in enumerate(looks) if look.rivals
+    }
     asked |= {(number, r.identity): r.search.fitted() for number, look in enumerate(looks) for r in look.rivals[:LEADING]}
     sums = dict(zip(asked, spread(partial(left_out_sum, identifier), list(asked.values())), strict=True))
     return {(number, claim): sums[number, None] - left for (number, claim), left in sums.items() if claim is not None}

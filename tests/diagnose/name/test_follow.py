@@ -56,6 +56,20 @@ def test_a_finding_at_the_place_of_another_must_explain_a_share_of_it(workshop, 
     assert _asked(look.leader, [(moved, explained)], final.misfit) == LEAST_DROP
 
 
+def test_one_of_three_is_asked_a_share_of_what_the_others_explained():
+    """0.3 of 3 %, as a third one that leaves nothing; one that an instrument is accused in, a fifth of that."""
+    rivals = [
+        Rival(Proposal("any", "", place, None, ("a",), {}), None, drop, 0.0)
+        for place, drop in (({"joint": "nose"}, 4e4), ({"joint": "rails"}, 6e4), ({"body": "cabin"}, 100.0))
+    ]
+    misfit = SimpleNamespace(independent_samples=1000.0)
+    explained = [(rival, rival.drop) for rival in rivals]
+    assert _asked(rivals[2], explained, misfit) == pytest.approx(900.0)
+    assert _asked(rivals[2], explained[1:], misfit) == LEAST_DROP
+    accused = evolve(rivals[2], proposal=evolve(rivals[2].proposal, location={"sensor": "s"}))
+    assert _asked(accused, [*explained[:2], (accused, 100.0)], misfit) == pytest.approx(180.0)
+
+
 def test_what_the_final_fit_loses_decides_and_not_what_thinned_recordings_had_shown():
     """Of means a ringing sensor explained 691, and a gain of the same sensor 76."""
     ringing, gain = (
