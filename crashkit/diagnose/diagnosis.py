@@ -8,7 +8,7 @@ from attrs import evolve
 
 from crashkit.campaign import one_thread
 from crashkit.diagnose.claims import Progress
-from crashkit.diagnose.fitting.evidence import is_strained
+from crashkit.diagnose.fitting.evidence import UNEXPLAINED, is_strained
 from crashkit.diagnose.fitting.in_time import TimeLimit, in_time
 from crashkit.diagnose.fitting.reidentify import reidentify
 from crashkit.diagnose.fitting.search import STEPS, begin
@@ -102,7 +102,10 @@ def _discovered_in(
 
 
 def _discovered_at_pace(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery:
-    """What is found in time; where that outruns the recordings as they were thinned, by finer ones."""
+    """What is found in time; where that outruns the recordings as they were thinned, by finer ones.
+
+    What had been found before still counts where all that is found in time by these plainly leaves more.
+    """
     base, workshop = inquiry.base, inquiry.workshop
     try:
         return in_time(Discovery.of(base, base), discover, inquiry, looks)
@@ -113,4 +116,7 @@ def _discovered_at_pace(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery:
     base = begin(workshop.identifier, thin.with_values(base.values)).advance(STEPS)
     findings = (*beside, Look((found,), (1.0,), 0.0, base.fitted()))
     finer = Inquiry(workshop, base.misfit.with_values_of(inquiry.given), base, inquiry.progress)
-    return in_time(Discovery.of(base, found.search, findings), discover, finer, findings)
+    before = Discovery.of(base, found.search, findings)
+    told = in_time(before, discover, finer, findings)
+    is_worse = told.search.normalised > max(UNEXPLAINED, before.search.normalised)
+    return before if is_worse else told

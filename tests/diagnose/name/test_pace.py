@@ -87,10 +87,11 @@ def test_readings_that_need_more_samples_than_there_are_outrun_them(
     assert caught.value.found.search.misfit.sample_count > search.misfit.sample_count
 
 
-@pytest.mark.parametrize("is_answered", [True, False])
+@pytest.mark.parametrize(("is_answered", "left"), [(True, 1.0), (True, 1.2), (False, 1.0)])
 def test_all_is_asked_again_of_finer_recordings_and_the_claim_stands_where_time_is_up(
-    workshop, model, misfit, recorded, monkeypatch, is_answered
+    workshop, model, misfit, recorded, monkeypatch, is_answered, left
 ):
+    """Or where all that was found in time leaves more."""
     given = misfit(model, run=recorded(model))
     base = diagnosis.begin(workshop.identifier, given)
     first, found = (
@@ -106,12 +107,13 @@ def test_all_is_asked_again_of_finer_recordings_and_the_claim_stands_where_time_
             raise OutrunError(found, beside)
         if not is_answered:
             raise OutOfTimeError
-        return Discovery(base.fitted(), base.fitted(), base, (Look((evolve(found, drop=1.0),), (1.0,), 0.0, base.fitted()),))
+        search = SimpleNamespace(normalised=left)
+        return Discovery(base.fitted(), base.fitted(), search, (Look((evolve(found, drop=1.0),), (1.0,), 0.0, base.fitted()),))
 
     monkeypatch.setattr(diagnosis, "discover", discover)
     told = diagnosis._discovered_at_pace(Inquiry(workshop, given, base, None, {"run": recorded(model)}), [])
     assert asked == [({"run": asked[0][0]["run"]}, []), ({}, [first, found])]
-    assert [look.leader.drop for look in told.findings] == ([1.0] if is_answered else [1000.0, 1000.0])
+    assert [look.leader.drop for look in told.findings] == ([1.0] if is_answered and left == 1.0 else [1000.0, 1000.0])
 
 
 @pytest.mark.parametrize(("location", "is_asked"), [({"sensor": "s", "instrument": "a"}, True), ({"joint": "front"}, False)])
