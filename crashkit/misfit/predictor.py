@@ -12,7 +12,7 @@ from crashkit.mechanics.kernel.arrays import Floats, Record
 from crashkit.mechanics.repeated_run import RepeatedRun
 from crashkit.misfit.channel import Channel, Group
 from crashkit.misfit.observed import predicted_by, values_of
-from crashkit.misfit.readout import Readout, readout_of
+from crashkit.misfit.readout import Readout, knows_what_is_shown, readout_of
 from crashkit.misfit.turning_readout import TurningReadout
 from crashkit.model import Model
 from crashkit.protocols import SensorErrors
@@ -93,7 +93,7 @@ class Predictor:
             if readout is None:
                 motion = repeated.motion(record) if motion is None else motion
                 told[number] = self._observe(group, motion, values, sensitivities)
-            elif isinstance(readout, Readout) and group.name in self._wrong:
+            elif group.name in self._wrong:
                 told[number] = self._misread(group, readout, record, values, sensitivities)
             else:
                 told[number] = self._read(readout, record, sensitivities)
@@ -116,12 +116,12 @@ class Predictor:
 
     @cached_property
     def _readouts(self) -> list[Readout | TurningReadout | None]:
-        """What is read without a Dataset; an instrument with errors is not in several axes."""
-        turning = len(self.model.axes) > 1
+        """What is read without a Dataset."""
+        axes = set(self.model.axes)
         return [
-            None
-            if turning and group.name in self._wrong
-            else readout_of(group, self.simulator, self._times[group.run], turning, SAME_INSTANT)
+            readout_of(group, self.simulator, self._times[group.run], len(axes) > 1, SAME_INSTANT)
+            if knows_what_is_shown(group, self._wrong.get(group.name, ()), axes)
+            else None
             for group in self.groups
         ]
 
@@ -144,7 +144,7 @@ class Predictor:
             table[:, :, self._columns] = readout.sensitivity(record)
         return Prediction(samples, table)
 
-    def _misread(self, group: Group, readout: Readout, record: Record, values: Floats, sensitivities: bool) -> Prediction:
+    def _misread(self, group: Group, readout: Readout | TurningReadout, record: Record, values: Floats, sensitivities: bool) -> Prediction:
         wanted = self._wrong[group.name] if sensitivities else []
         read = readout.misread(record, self._errors(group, values), wanted, sensitivities)
         samples = read.value.reshape(group.recorded.shape)

@@ -1,6 +1,6 @@
 """Instruments that show single numbers of a run, read from its record without a Dataset."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -84,6 +84,18 @@ class Readout:
         return self.filter.filtered(shown, 0.0) if self.filter else shown
 
 
+def knows_what_is_shown(group: Group, wrong: Collection[str], axes: set[str]) -> bool:
+    """Whether what the channels show is all that these errors of the group ask for, in a model of such axes.
+
+    In several axes a sensor may feel across those that it records, and one that sits elsewhere on a body that turns feels
+    another motion: of that only its observer knows.
+    """
+    if len(axes) == 1 or not wrong:
+        return True
+    observer, own = group.observer, set(group.dataset.variables["axis"].values.tolist())
+    return isinstance(observer, PlainObserver) and own == axes and not set(wrong) & set(observer.place_errors)
+
+
 def readout_of(
     group: Group, simulator: Simulator, nodes: Floats, turning: bool, tolerance: float
 ) -> Readout | TurningReadout | None:
@@ -104,7 +116,7 @@ def readout_of(
     early, cfc = group.times[group.times < 0.0], frequency_class(group.dataset)
     filter = ChannelFilter.of(group.times, cfc) if cfc and len(group.times) > 1 else None
     if isinstance(reading, TurningReading):
-        return turning_readout_of(reading, simulator, rows, early, filter, nodes)
+        return turning_readout_of(reading, simulator, rows, early, filter, nodes, group.observer, group.dataset)
     places = list(zip(reading.bodies, reading.axes, strict=True))
     entries = [entry_of(simulator, reading.quantity, body, axis) for body, axis in places]
     if None in entries:

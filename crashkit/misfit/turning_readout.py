@@ -1,13 +1,16 @@
 """Instruments at points of bodies that turn in the plane, read from the record of a run without a Dataset."""
 
+from collections.abc import Sequence
+
 import numpy as np
+import xarray as xr
 from attrs import frozen
 
 from crashkit.data.channel_filter import ChannelFilter
 from crashkit.mechanics import Simulator
 from crashkit.mechanics.kernel.arrays import Floats, Integers, Record
 from crashkit.mechanics.repeated_run import TURN, entry_of
-from crashkit.protocols import TurningReading
+from crashkit.protocols import Misread, PlainObserver, SensorErrors, Shown, TurningReading
 
 KINDS = ("position", "velocity", "acceleration")
 Motions = dict[str, Floats]
@@ -31,6 +34,7 @@ class TurningReadout:
         points: (channel, 2) m.
         own_axes: whether these axes turn with the body.
         nodes: s, times of the record.
+        observer, instrument: of the group.
     """
 
     quantity: str
@@ -42,23 +46,37 @@ class TurningReadout:
     points: Floats
     own_axes: bool
     nodes: Floats
+    observer: PlainObserver
+    instrument: xr.Dataset
 
     def samples(self, record: Record) -> Floats:
         """(time, channel)."""
-        motions = self._motions(record.values)
-        return self._shown(self._place(motions) if self.quantity == "position" else self._felt(motions))
+        motions = self._motions(record.values[self.rows])
+        return self._shown(self._going_on(motions) if self.quantity == "position" else self._felt(motions))
 
     def sensitivity(self, record: Record) -> Floats:
         """(time, channel, column)."""
         if record.tangents.shape[2] == 0:
             return np.zeros((self.nodes[self.rows].size, len(self.along), 0))
-        motions, changes = self._motions(record.values), self._motions(record.tangents)
+        motions, changes = self._motions(record.values[self.rows]), self._motions(record.tangents[self.rows])
         return self._shown(
-            self._place_slope(motions, changes) if self.quantity == "position" else self._felt_slope(motions, changes)
+            self._going_on_slope(motions, changes) if self.quantity == "position" else self._felt_slope(motions, changes)
         )
 
+    def misread(self, record: Record, errors: SensorErrors, wanted: Sequence[str], sensitivities: bool) -> Misread:
+        """What the instrument records with these errors, with derivatives to those that are wanted and to the model's."""
+        motions = self._motions(record.values)
+        changes = self._motions(record.tangents) if sensitivities and record.tangents.shape[2] else None
+        if self.quantity == "position":
+            shown = Shown(self.nodes, self._place(motions), rate=self._speed(motions))
+            if changes:
+                slopes = self._place_slope(motions, changes), self._speed_slope(motions, changes)
+                shown = Shown(self.nodes, shown.value, slopes[0], shown.rate, slopes[1])
+        else:
+            shown = Shown(self.nodes, self._felt(motions), self._felt_slope(motions, changes) if changes else None)
+        return self.observer.misread(shown, self.instrument, errors, wanted)
+
     def _motions(self, table: Floats) -> Motions:
-        table = table[self.rows]
         return {kind: table[:, entries] for kind, entries in self.entries.items()}
 
     def _shown(self, readings: Floats) -> Floats:
@@ -77,20 +95,30 @@ class TurningReadout:
         return motion[:, np.arange(len(self.along)), self.along]
 
     def _place(self, motions: Motions) -> Floats:
-        arm, across = self._arms(motions)
-        place, before = self._along(motions["position"]) + arm, len(self.early)
-        speed = self._along(motions["velocity"]) + motions["velocity"][:, :, 2] * across
-        place[:before] += self.early[:, None] * speed[:before]
-        return place
+        return self._along(motions["position"]) + self._arms(motions)[0]
 
     def _place_slope(self, motions: Motions, changes: Motions) -> Floats:
+        across, turned = self._arms(motions)[1], changes["position"][:, :, 2]
+        return self._along(changes["position"]) + across[..., None] * turned
+
+    def _speed(self, motions: Motions) -> Floats:
+        return self._along(motions["velocity"]) + motions["velocity"][:, :, 2] * self._arms(motions)[1]
+
+    def _speed_slope(self, motions: Motions, changes: Motions) -> Floats:
         arm, across = (part[..., None] for part in self._arms(motions))
-        turned, before = changes["position"][:, :, 2], len(self.early)
-        place = self._along(changes["position"]) + across * turned
+        spin, turned = motions["velocity"][:, :, 2, None], changes["position"][:, :, 2]
+        return self._along(changes["velocity"]) + changes["velocity"][:, :, 2] * across - spin * arm * turned
+
+    def _going_on(self, motions: Motions) -> Floats:
+        place, before = self._place(motions), len(self.early)
         if before:
-            spin = motions["velocity"][:, :, 2, None]
-            speed = self._along(changes["velocity"]) + changes["velocity"][:, :, 2] * across - spin * arm * turned
-            place[:before] += self.early[:, None, None] * speed[:before]
+            place[:before] += self.early[:, None] * self._speed(motions)[:before]
+        return place
+
+    def _going_on_slope(self, motions: Motions, changes: Motions) -> Floats:
+        place, before = self._place_slope(motions, changes), len(self.early)
+        if before:
+            place[:before] += self.early[:, None, None] * self._speed_slope(motions, changes)[:before]
         return place
 
     def _felt(self, motions: Motions) -> Floats:
@@ -135,12 +163,14 @@ def turning_readout_of(
     early: Floats,
     filter: ChannelFilter | None,
     nodes: Floats,
+    observer: PlainObserver,
+    instrument: xr.Dataset,
 ) -> TurningReadout | None:
     """The readout of a reading; None where the model's axes are not two that hold those of the instrument.
 
     Arguments:
         simulator: whose record is read.
-        rows, early, filter, nodes: as of `TurningReadout`.
+        rows, early, filter, nodes, observer, instrument: as of `TurningReadout`.
     """
     axes = simulator.model.axes
     if len(axes) != 2 or not set(reading.channels) <= set(axes):
@@ -154,4 +184,6 @@ def turning_readout_of(
     points = np.zeros((len(reading.bodies), 2))
     points[:, [axes.index(axis) for axis in reading.axes]] = reading.points
     along = np.array([axes.index(axis) for axis in reading.channels])
-    return TurningReadout(reading.quantity, rows, early, filter, entries, along, points, reading.own_axes, nodes)
+    return TurningReadout(
+        reading.quantity, rows, early, filter, entries, along, points, reading.own_axes, nodes, observer, instrument
+    )

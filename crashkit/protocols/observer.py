@@ -129,7 +129,14 @@ class Misread:
 
 
 class PlainObserver(Observer):
-    """An observer whose instruments may show single numbers of the motion, so that a search need not build a Dataset."""
+    """An observer whose instruments may show single numbers of the motion, so that a search need not build a Dataset.
+
+    Attributes:
+        place_errors: names of those errors that say where a sensor sits; what it reads there on a body that turns only
+            `predict` knows.
+    """
+
+    place_errors: ClassVar[tuple[str, ...]] = ()
 
     @abstractmethod
     def reading(self, instrument: xr.Dataset, turning: bool) -> Reading | TurningReading | None:
@@ -142,7 +149,9 @@ class PlainObserver(Observer):
 
     @abstractmethod
     def misread(self, shown: Shown, instrument: xr.Dataset, errors: SensorErrors, wanted: Sequence[str]) -> Misread:
-        """What is recorded of what the channels would read, as `predict` says, on a line.
+        """What is recorded of what the channels would read, as `predict` says.
+
+        On a line, or with channels along every axis of the model and no `place_errors`.
 
         Arguments:
             shown: as `reading` says.

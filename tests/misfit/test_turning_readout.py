@@ -7,7 +7,7 @@ from attrs import evolve
 
 from crashkit.misfit import Misfit, predictor
 from crashkit.misfit.turning_readout import TurningReadout
-from crashkit.model import Body, Joint, Model, Parameter
+from crashkit.model import Body, InstrumentErrors, Joint, Model, Parameter
 
 INSTANTS = np.arange(401) * 1e-4
 BEFORE = 0.01
@@ -74,6 +74,49 @@ def test_a_point_is_read_as_its_observer_says(seen, monkeypatch, axes, frame, fr
     monkeypatch.setattr(predictor, "readout_of", lambda *_: None)
     for one, other in zip(got, told_by(seen(axes, frame, frequency_class)), strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9 * np.abs(other).max())
+
+
+WRONG = {
+    "film": {"gain": 1.1, "bias": 0.02, "clock_offset": 1e-3, "clock_rate": 0.01, "rocking_share": 0.3},
+    "box": {
+        "gain": 1.1,
+        "bias": 3.0,
+        "bias_drift": 20.0,
+        "tilt_y": 0.2,
+        "transverse_x": 0.1,
+        "transverse_z": -0.2,
+        "quadratic": 1e-4,
+        "hysteresis": 2.0,
+        "saturation": 300.0,
+        "resonance_share": 0.4,
+        "clock_offset": 1e-3,
+    },
+}
+WRONG_NAMES = [(instrument, name) for instrument, errors in WRONG.items() for name in errors]
+
+
+def with_errors(model, instrument, **errors):
+    free = {name: Parameter(value, value - 1.0 - abs(value), value + 1.0 + abs(value)) for name, value in errors.items()}
+    place = "" if set(errors) & {"clock_offset", "clock_rate"} else "edge"
+    return evolve(model, instruments=(InstrumentErrors(instrument, place, free),))
+
+
+@pytest.mark.parametrize(("name", "error"), WRONG_NAMES)
+def test_a_point_is_misread_as_its_observer_says(seen, swinging, monkeypatch, name, error):
+    model = with_errors(swinging, name, **{error: WRONG[name][error]})
+    fast = seen(model=model)
+    assert all(isinstance(one, TurningReadout) for one in fast.predictor._readouts)
+    got = told_by(fast)
+    monkeypatch.setattr(predictor, "readout_of", lambda *_: None)
+    for one, other in zip(got, told_by(seen(model=model)), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9 * np.abs(other).max())
+
+
+@pytest.mark.parametrize(("axes", "error"), [("z", "gain"), ("xz", "position_x")])
+def test_what_acts_across_or_elsewhere_is_asked_of_the_observer(seen, swinging, axes, error):
+    one = seen(axes, model=with_errors(swinging, "box", **{error: 0.1}))
+    assert one.predictor._readouts[1] is None
+    assert np.isfinite(one.residual(one.start())).all()
 
 
 def test_a_point_is_read_between_steps(seen, monkeypatch):

@@ -27,6 +27,7 @@ HEATS = ((40, 6), (6, 10), (2, 60))
 def told_by_vanished(inquiry: Inquiry, found: Discovery) -> Discovery:
     """What was found, and what else explains the recordings as well without numbers that have vanished."""
     for joint in vanished_at(inquiry.given, found.search):
+        inquiry.progress(f"looking behind numbers of joint {joint} that have vanished", 0.0)
         if len(found.findings) == MOST_FINDINGS or is_estimated(found.findings):
             break
         look = _look_behind(inquiry, found, joint)

@@ -60,6 +60,7 @@ class Accelerometer(PlainObserver):
     channel = "sensor"
     errors = (*channel_errors("m s-2", full_scale=1000.0), LEAN, *POSITION_ERRORS, *ROCKING)
     instrument_errors = CLOCK_ERRORS
+    place_errors = tuple(spec.name for spec in POSITION_ERRORS)
 
     def predict(self, motion: xr.Dataset, instrument: xr.Dataset, errors: SensorErrors | None = None) -> xr.Dataset:
         """The sensors' accelerations, as `Observer.predict` says."""

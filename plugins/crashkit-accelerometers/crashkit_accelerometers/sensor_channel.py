@@ -84,7 +84,7 @@ def predict_channels(observer: Observer, motion: xr.Dataset, instrument: xr.Data
 def misread_channels(
     observer: Observer, shown: Shown, instrument: xr.Dataset, errors: SensorErrors, wanted: Sequence[str]
 ) -> Misread:
-    """What sensors record on bodies that do not turn, as `PlainObserver.misread` says."""
+    """What sensors record, as `PlainObserver.misread` says."""
     own = own_errors(observer, instrument, errors)
     value = shown.value.reshape(-1, *own["gain"].shape)
     slope = None if shown.slope is None else shown.slope.reshape(*value.shape, -1)

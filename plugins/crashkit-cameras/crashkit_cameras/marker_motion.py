@@ -71,7 +71,7 @@ def marker_motion(
 
 
 def shown_motion(shown: Shown, axes: int, at: np.ndarray) -> MarkerMotion:
-    """The same of markers on bodies that do not turn, from what an instrument shows of them along so many axes."""
+    """The same from what an instrument shows of markers along so many axes."""
     rows, before, after = _neighbours(shown.times, at)
 
     def by_marker(columns: np.ndarray | None) -> np.ndarray | None:
