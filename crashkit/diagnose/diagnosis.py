@@ -16,6 +16,7 @@ from crashkit.diagnose.fitting.sharpen import ROUGHLY, as_heard, in_the_light_of
 from crashkit.diagnose.fitting.thinning import thinned_by
 from crashkit.diagnose.fitting.thresholds import awake
 from crashkit.diagnose.holdout import fitted_together, is_contradicted, leading_looks
+from crashkit.diagnose.locate.aside import are_at_odds
 from crashkit.diagnose.name.discover import discover
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.inquiry import Inquiry
@@ -87,7 +88,7 @@ def _discovered_in(
     # The first simulation compiles the engine, before copies of this process would each do so.
     equipped = evolve(equipped, step=fine_step(given))
     given = given.with_step(equipped.step)
-    base = reidentify(equipped, given)
+    base = reidentify(equipped, given, everywhere=not are_at_odds(given))
     # What strained numbers ask of the rate, the structure does not.
     if not is_strained(base):
         base = sharpened(equipped, model, recordings, base)

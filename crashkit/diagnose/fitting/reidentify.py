@@ -34,14 +34,19 @@ TOLD = 2.0 / FARTHEST**2
 """Inverse of a relative variance above which recordings tell anything: what they do not stays where the user gave it."""
 
 
-def reidentify(workshop: Workshop, misfit: Misfit) -> Search:
+def reidentify(workshop: Workshop, misfit: Misfit, everywhere: bool = True) -> Search:
     """The best fit of the model as it is; what then remains, no tuning of its parameters removes.
 
     A model has many local optima where thresholds are crossed. Where taking in the recordings little by little leaves
     something, two more searches look everywhere: the workshop's finder, and one from many starts. Where it leaves nothing, a
     better optimum about there would yet look like a small effect.
+
+    Arguments:
+        everywhere: whether what is left is worth those two: no numbers of a model explain instruments that contradict each other.
     """
     near = understood(workshop, misfit)
+    if not everywhere:
+        return weighed([near])[0]
     if explains(near):
         return refine(workshop.identifier, near.fitted())
     looks = [partial(_found, workshop.finder), partial(_best_of_many, workshop.identifier)]

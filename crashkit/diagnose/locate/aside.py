@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from attrs import evolve, frozen
 
-from crashkit.diagnose.locate.consistency import SIGNIFICANT
+from crashkit.diagnose.locate.consistency import SIGNIFICANT, by_run, check_instruments
 from crashkit.misfit import Misfit
 from crashkit.model import Model
 from crashkit.protocols import Proposal
@@ -70,6 +70,12 @@ def suspects(misfit: Misfit, checks: xr.Dataset) -> tuple[Suspect, ...]:
     accused = _worst(checks).where(lambda row: row["sigma"] > SIGNIFICANT, drop=True)
     pairs = zip(accused["body"].values.tolist(), accused["accelerometer"].values.tolist(), strict=True)
     return tuple(_suspect(misfit, checks, body, accelerometer) for body, accelerometer in pairs)
+
+
+def are_at_odds(misfit: Misfit) -> bool:
+    """Whether some instruments of a misfit contradict each other by kinematics alone."""
+    checks = check_instruments(by_run(misfit))
+    return bool(late_clocks(checks) or suspects(misfit, checks))
 
 
 def late_clocks(checks: xr.Dataset) -> dict[str, float]:

@@ -19,6 +19,8 @@ from crashkit.diagnose.result import own_name
 from crashkit.diagnose.workshop import Workshop
 from crashkit.model import Model
 
+TIME = "time"
+"""Of an estimated force, what it depends on where it may have a twin: one of the motion is another at another place."""
 HEATS = ((30, 6), (3, 40))
 """How many enter each, and how many steps each gets there."""
 
@@ -27,7 +29,8 @@ def beside_twins(workshop: Workshop, discovery: Discovery) -> Discovery:
     """Every finding with its twins among the rivals.
 
     Another form of the same physics may have been the one that decided, and its twins were never asked in that: friction on
-    the ground acts on a body like friction in its joint to the obstacle, in whatever form. The likeliest of them is told.
+    the ground acts on a body like friction in its joint to the obstacle, in whatever form; so does a force of the time. The
+    likeliest of them is told.
     """
     findings = tuple(_beside_twins(workshop, discovery, look) for look in discovery.findings)
     leading = [look.leader for look in findings]
@@ -41,9 +44,8 @@ def _beside_twins(workshop: Workshop, discovery: Discovery, look: Look) -> Look:
     """The look with twins, which are weighed as the finding is now: what stands beside it may have got a better form."""
     winner = evolve(look.leader, search=discovery.search)
     others = [one.leader for one in discovery.findings if one is not look]
-    without = (
-        None if is_unknown(winner) else rebuild(workshop, begin(workshop.identifier, discovery.base), others, winner.search)
-    )
+    is_elsewhere = is_unknown(winner) and winner.proposal.estimate_of != TIME
+    without = None if is_elsewhere else rebuild(workshop, begin(workshop.identifier, discovery.base), others, winner.search)
     twins = [] if without is None else _twins(workshop, discovery.base.model, without, winner, others)
     if without is None or not twins:
         return look
@@ -69,6 +71,8 @@ def _twins(workshop: Workshop, model: Model, without: Search, winner: Rival, oth
     origin, known = without.misfit.with_values_of(winner.search.fitted()), {rival.identity for rival in (winner, *others)}
     alike = [p for p in propose_all(workshop, origin) if {own_name(path) for path in p.parameters} == set(numbers)]
     twins = [twin for twin in alike if identity(twin) not in known and is_given(model, twin.location)]
+    if is_unknown(winner):
+        twins = [twin for twin in twins if twin.estimate_of == winner.proposal.estimate_of]
     equipped = workshop.equipped([twin.model for twin in twins])
     starts = [{path: numbers[own_name(path)] for path in twin.parameters} for twin in twins]
     misfits = [with_form(equipped, origin, twin, start) for twin, start in zip(twins, starts, strict=True)]

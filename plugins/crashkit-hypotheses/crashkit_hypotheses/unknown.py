@@ -1,6 +1,6 @@
 """A force that no known physics explains, estimated from the recordings as a smooth law."""
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from typing import ClassVar
 
 import xarray as xr
@@ -54,6 +54,9 @@ RARE = 0.01
 """Odds that they do, against a force that only acts while they touch."""
 SHARE = 0.2
 """The size that is expected of what another joint's deformation multiplies a force by."""
+IN_MOUNT = 0.5
+"""Odds that a force of the time acts in a joint that holds a body to the ground against one on that body, where no recording
+tells these apart: what goes on whatever the body does, as a machine that runs, is rather in it."""
 LARGE = 0.06
 """The same of a force of the time that several runs have in common, or of what another joint does: no law of the model could
 explain it."""
@@ -72,17 +75,19 @@ class Unknown(Hypothesis):
     sentence: ClassVar[str] = "{place} carries a force that none of the known physics explains"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Every joint that is compressed, every two bodies that approach each other without one, and every body on which a
-        force is something else than one in its mount."""
+        """Every joint that is compressed, every two bodies that approach each other without one, and every body; where a force
+        on it is the same as one in its mount, only one of the time, for the comparison."""
         used = compressed(model, motion)
-        pushed = [body for body in model.bodies if _differs(model, body, recordings)]
+        pushed = [body for body in model.bodies if _may_be_pushed(model, body)]
+        held = {body.name for body in pushed if _is_held(model, body) and not forces_recorded(recordings)}
         return [
             *(form for joint in used for form in self._along(model, joint, motion)),
-            *(form for joint in used for form in self._in_motion(model, joint, motion)),
+            *(form for joint in used for form in self._in_motion(model, joint, motion, held)),
             *(form for joint in used for form in self._narrow(model, joint, motion)),
             *(form for joint in used for form in self._driven(model, joint, used, motion)),
             *(self._between(model, pair, reach, motion) for pair, reach in approaching(model, motion).items()),
-            *(form for body in pushed for form in self._on_body(model, body, motion)),
+            *(form for body in pushed if body.name not in held for form in self._on_body(model, body, motion)),
+            *(evolve(self._on_body(model, body, motion)[0], refined=True) for body in pushed if body.name in held),
         ]
 
     def _along(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
@@ -102,17 +107,21 @@ class Unknown(Hypothesis):
             *(evolve(one, estimate_of="distance", odds=RARE) for one in at_a_distance(model, joint, far, apart)),
         ]
 
-    def _in_motion(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
-        """A table of the rate, which adds to the force or multiplies it, or of the time."""
+    def _in_motion(
+        self, model: Model, joint: Joint, motion: Sequence[xr.Dataset], held: Set[str]
+    ) -> list[Proposal]:
+        """A table of the rate, which adds to the force or multiplies it, or of the time; `held` are bodies of which a mount
+        is not told apart."""
         largest, fastest = _largest_in(joint, motion), Parameter(largest_rate(motion, joint.name), fixed=True)
         of_rate: Table = {"heights": _heights(largest), "reach": fastest}
         share: Table = {"rate_heights": _heights(1.0), "rate_reach": fastest}
         added_force = parallel(model, joint, Effect(self.physics, "rate", "rate_table", of_rate, "heights"))
         factor = multiplied(model, joint, Effect(self.physics, "rate, as a factor", "rate_curve", share, "rate_heights"))
         in_time = parallel(model, joint, Effect(self.physics, "time", "time_table", _of_time(largest, motion), "heights"))
+        is_mount = any(model.body(name).fixed for name in joint.bodies) and not held.isdisjoint(joint.bodies)
         return [
             *(evolve(form, estimate_of="rate") for form in (added_force, factor)),
-            evolve(in_time, estimate_of="time"),
+            evolve(in_time, estimate_of="time", odds=IN_MOUNT if is_mount else 1.0),
         ]
 
     def _narrow(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> list[Proposal]:
@@ -162,13 +171,14 @@ class Unknown(Hypothesis):
         return [evolve(grounded(model, body, table), estimate_of=table.form) for table in tables]
 
 
-def _differs(model: Model, body: Body, recordings: Sequence[xr.DataTree]) -> bool:
-    """Whether a force on a body is told from one in a joint that holds it to the ground, of which only a load cell knows."""
-    if body.fixed or body.mass is None or body.carrier:
-        return False
+def _may_be_pushed(model: Model, body: Body) -> bool:
+    return not (body.fixed or body.mass is None or body.carrier) and any(body.name in joint.bodies for joint in model.joints)
+
+
+def _is_held(model: Model, body: Body) -> bool:
+    """Whether a joint holds it to the ground: a force in that one is told from one on the body only by a load cell."""
     joints = [joint for joint in model.joints if body.name in joint.bodies]
-    held = any(model.body(name).fixed for joint in joints for name in joint.bodies if name != body.name)
-    return bool(joints) and (not held or forces_recorded(recordings))
+    return any(model.body(name).fixed for joint in joints for name in joint.bodies if name != body.name)
 
 
 def _largest_in(joint: Joint, motion: Sequence[xr.Dataset]) -> float:

@@ -59,7 +59,7 @@ PLACES = {
     "plastic_unloading": BOTH_JOINTS,
     "progressive_folding": BOTH_JOINTS,
     "rate_dependence": BOTH_JOINTS,
-    "unknown": BOTH_JOINTS | {(("body", "rear"),), (("bodies", "['wall', 'rear']"),)},
+    "unknown": BOTH_JOINTS | {(("body", "front"),), (("body", "rear"),), (("bodies", "['wall', 'rear']"),)},
     "viscous_damping": BOTH_JOINTS,
     "missing_contact": {(("bodies", "['wall', 'rear']"),)},
     "clock_offset": {(("instrument", "film"),), (("instrument", "accelerometer"),)},
@@ -171,13 +171,21 @@ def test_a_joint_that_is_never_compressed_hides_nothing(propose, runs):
 
 
 def test_an_unknown_force_is_one_on_a_body_where_it_differs_from_one_in_its_mount(propose, runs):
-    """The front is held by the wall: only a load cell tells what pushes it from what its joint does."""
+    """The front is held by the wall: only a load cell tells what pushes it from what its joint does. One of the time is there
+    for the comparison, and rather it than one in the joint."""
     cells = [toys.recording(run).assign(load_cell=xr.DataTree(xr.Dataset({"force": ("time", [0.0])}))) for run in runs]
     bodies = [
-        {p.location["body"] for p in one if "body" in p.location}
+        {p.location["body"] for p in one if "body" in p.location and not p.refined}
         for one in (propose("unknown"), propose("unknown", recordings=cells))
     ]
     assert bodies == [{"rear"}, {"front", "rear"}]
+    (compared,) = [p for p in propose("unknown") if p.location == {"body": "front"}]
+    assert (compared.form, compared.refined, compared.odds) == ("time", True, 1.0)
+    odds = [
+        {p.location["joint"]: p.odds for p in one if p.form == "time" and "joint" in p.location}
+        for one in (propose("unknown"), propose("unknown", recordings=cells))
+    ]
+    assert odds == [{"first": 0.5, "second": 1.0}, {"first": 1.0, "second": 1.0}]
 
 
 def test_a_force_of_the_time_may_be_larger_where_several_runs_have_it_in_common(propose, runs):

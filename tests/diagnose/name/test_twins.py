@@ -72,13 +72,30 @@ def test_what_was_weighed_without_the_other_findings_takes_no_odds_from_a_twin(w
     assert told.probabilities[0] == max(told.probabilities)
 
 
-def test_an_estimated_force_has_no_twins(workshop, model, misfit, recorded):
-    base = begin(workshop.identifier, misfit(model, run=recorded(model)))
-    table = next(p for p in propose_all(workshop, base.fitted()) if p.physics == "unknown")
-    search = begin(workshop.identifier, workshop.misfit(base.fitted(), table.model))
-    look = Look((rival_of(table, search, base.deviance),), (1.0,), 0.0, base.fitted())
-    discovery = Discovery(base.fitted(), search.fitted(), search, (look,))
-    assert beside_twins(workshop, discovery).findings == discovery.findings
+@pytest.fixture
+def estimated(workshop, model, misfit, recorded):
+    """What is told of an estimated force in a joint, with its twins."""
+
+    def estimated(form):
+        base = begin(workshop.identifier, misfit(model, run=recorded(model)))
+        table = next(p for p in propose_all(workshop, base.fitted()) if p.physics == "unknown" and p.form == form)
+        search = begin(workshop.identifier, workshop.misfit(base.fitted(), table.model)).advance(40)
+        look = Look((rival_of(table, search, base.deviance),), (1.0,), 0.0, base.fitted())
+        discovery = Discovery(base.fitted(), search.fitted(), search, (look,))
+        return look, beside_twins(workshop, discovery).findings[0]
+
+    return estimated
+
+
+def test_an_estimated_force_of_the_motion_has_no_twins(estimated):
+    found, told = estimated("deformation")
+    assert told is found
+
+
+def test_an_estimated_force_of_the_time_is_rather_one_on_the_body_than_in_its_joint_to_the_wall(estimated):
+    _, told = estimated("time")
+    assert [rival.place for rival in told.rivals[:2]] == ["body front", "joint first"]
+    assert told.probabilities[0] == pytest.approx(2.0 * told.probabilities[1], rel=0.2)
 
 
 def test_what_another_finding_added_is_no_place_for_a_twin(workshop, rubbing):
