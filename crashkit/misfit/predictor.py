@@ -144,7 +144,9 @@ class Predictor:
             table[:, :, self._columns] = readout.sensitivity(record)
         return Prediction(samples, table)
 
-    def _misread(self, group: Group, readout: Readout | TurningReadout, record: Record, values: Floats, sensitivities: bool) -> Prediction:
+    def _misread(
+        self, group: Group, readout: Readout | TurningReadout, record: Record, values: Floats, sensitivities: bool
+    ) -> Prediction:
         wanted = self._wrong[group.name] if sensitivities else []
         read = readout.misread(record, self._errors(group, values), wanted, sensitivities)
         samples = read.value.reshape(group.recorded.shape)

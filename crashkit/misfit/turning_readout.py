@@ -13,8 +13,8 @@ from crashkit.mechanics.repeated_run import TURN, entry_of
 from crashkit.protocols import Misread, PlainObserver, SensorErrors, Shown, TurningReading
 
 KINDS = ("position", "velocity", "acceleration")
-Motions = dict[str, Floats]
-"""Along both axes and about their normal, by kind of `KINDS`: (time, channel, 3), or with a last dim of columns."""
+ABOUT = 2
+"""The place of what goes on about the normal of both axes, behind these."""
 
 
 @frozen(eq=False)
@@ -29,7 +29,7 @@ class TurningReadout:
         rows: of the record, one for each time stamp; the first for those before contact.
         early: (time stamp,) s, of those before contact.
         filter: of the channels, if they are filtered.
-        entries: by kind of motion (channel, 3), of the record.
+        entries: by kind of motion (channel, 3), of the record: along both axes, and about their normal.
         along: (channel,) which axis of the model each shows.
         points: (channel, 2) m.
         own_axes: whether these axes turn with the body.
@@ -51,109 +51,117 @@ class TurningReadout:
 
     def samples(self, record: Record) -> Floats:
         """(time, channel)."""
-        motions = self._motions(record.values[self.rows])
-        return self._shown(self._going_on(motions) if self.quantity == "position" else self._felt(motions))
+        table = record.values[self.rows]
+        return self._shown(self._going_on(table) if self.quantity == "position" else self._felt(table))
 
     def sensitivity(self, record: Record) -> Floats:
         """(time, channel, column)."""
         if record.tangents.shape[2] == 0:
             return np.zeros((self.nodes[self.rows].size, len(self.along), 0))
-        motions, changes = self._motions(record.values[self.rows]), self._motions(record.tangents[self.rows])
-        return self._shown(
-            self._going_on_slope(motions, changes) if self.quantity == "position" else self._felt_slope(motions, changes)
-        )
+        table, changes = record.values[self.rows], record.tangents[self.rows]
+        is_place = self.quantity == "position"
+        return self._shown(self._going_on_slope(table, changes) if is_place else self._felt_slope(table, changes))
 
     def misread(self, record: Record, errors: SensorErrors, wanted: Sequence[str], sensitivities: bool) -> Misread:
         """What the instrument records with these errors, with derivatives to those that are wanted and to the model's."""
-        motions = self._motions(record.values)
-        changes = self._motions(record.tangents) if sensitivities and record.tangents.shape[2] else None
+        table, changes = record.values, record.tangents
+        has_slopes, slope, rate, rate_slope = sensitivities and changes.shape[2] > 0, None, None, None
         if self.quantity == "position":
-            shown = Shown(self.nodes, self._place(motions), rate=self._speed(motions))
-            if changes:
-                slopes = self._place_slope(motions, changes), self._speed_slope(motions, changes)
-                shown = Shown(self.nodes, shown.value, slopes[0], shown.rate, slopes[1])
+            value, rate = self._place(table), self._speed(table)
+            if has_slopes:
+                slope, rate_slope = self._place_slope(table, changes), self._speed_slope(table, changes)
         else:
-            shown = Shown(self.nodes, self._felt(motions), self._felt_slope(motions, changes) if changes else None)
-        return self.observer.misread(shown, self.instrument, errors, wanted)
-
-    def _motions(self, table: Floats) -> Motions:
-        return {kind: table[:, entries] for kind, entries in self.entries.items()}
+            value = self._felt(table)
+            if has_slopes:
+                slope = self._felt_slope(table, changes)
+        return self.observer.misread(Shown(self.nodes, value, slope, rate, rate_slope), self.instrument, errors, wanted)
 
     def _shown(self, readings: Floats) -> Floats:
         if self.quantity == "acceleration":
             readings[: len(self.early)] = 0.0
         return self.filter.filtered(readings, 0.0) if self.filter else readings
 
-    def _arms(self, motions: Motions) -> tuple[Floats, Floats]:
+    def _along(self, table: Floats, kind: str) -> Floats:
+        """A motion of the bodies along the axis of each channel, (time, channel) or with a last dim of columns."""
+        return table[:, self.entries[kind][np.arange(len(self.along)), self.along]]
+
+    def _component(self, table: Floats, kind: str, axis: int) -> Floats:
+        """The same along the first or the second axis of the model, or about their normal."""
+        return table[:, self.entries[kind][:, axis]]
+
+    def _arms(self, table: Floats) -> tuple[Floats, Floats]:
         """r and r' along the axis of each channel, (time, channel)."""
-        turn = motions["position"][:, :, 2]
+        turn = self._component(table, "position", ABOUT)
         cos, sin = np.cos(turn), np.sin(turn)
         arms = cos * self.points[:, 0] - sin * self.points[:, 1], sin * self.points[:, 0] + cos * self.points[:, 1]
         return np.where(self.along == 0, *arms), np.where(self.along == 0, -arms[1], arms[0])
 
-    def _along(self, motion: Floats) -> Floats:
-        return motion[:, np.arange(len(self.along)), self.along]
+    def _place(self, table: Floats) -> Floats:
+        return self._along(table, "position") + self._arms(table)[0]
 
-    def _place(self, motions: Motions) -> Floats:
-        return self._along(motions["position"]) + self._arms(motions)[0]
+    def _place_slope(self, table: Floats, changes: Floats) -> Floats:
+        across = self._arms(table)[1][..., None]
+        return self._along(changes, "position") + across * self._component(changes, "position", ABOUT)
 
-    def _place_slope(self, motions: Motions, changes: Motions) -> Floats:
-        across, turned = self._arms(motions)[1], changes["position"][:, :, 2]
-        return self._along(changes["position"]) + across[..., None] * turned
+    def _speed(self, table: Floats) -> Floats:
+        return self._along(table, "velocity") + self._component(table, "velocity", ABOUT) * self._arms(table)[1]
 
-    def _speed(self, motions: Motions) -> Floats:
-        return self._along(motions["velocity"]) + motions["velocity"][:, :, 2] * self._arms(motions)[1]
+    def _speed_slope(self, table: Floats, changes: Floats) -> Floats:
+        arm, across = (part[..., None] for part in self._arms(table))
+        spin = self._component(table, "velocity", ABOUT)[..., None]
+        turned, spun = (self._component(changes, kind, ABOUT) for kind in ("position", "velocity"))
+        return self._along(changes, "velocity") + spun * across - spin * arm * turned
 
-    def _speed_slope(self, motions: Motions, changes: Motions) -> Floats:
-        arm, across = (part[..., None] for part in self._arms(motions))
-        spin, turned = motions["velocity"][:, :, 2, None], changes["position"][:, :, 2]
-        return self._along(changes["velocity"]) + changes["velocity"][:, :, 2] * across - spin * arm * turned
-
-    def _going_on(self, motions: Motions) -> Floats:
-        place, before = self._place(motions), len(self.early)
+    def _going_on(self, table: Floats) -> Floats:
+        place, before = self._place(table), len(self.early)
         if before:
-            place[:before] += self.early[:, None] * self._speed(motions)[:before]
+            place[:before] += self.early[:, None] * self._speed(table[:before])
         return place
 
-    def _going_on_slope(self, motions: Motions, changes: Motions) -> Floats:
-        place, before = self._place_slope(motions, changes), len(self.early)
+    def _going_on_slope(self, table: Floats, changes: Floats) -> Floats:
+        place, before = self._place_slope(table, changes), len(self.early)
         if before:
-            place[:before] += self.early[:, None, None] * self._speed_slope(motions, changes)[:before]
+            place[:before] += self.early[:, None, None] * self._speed_slope(table[:before], changes[:before])
         return place
 
-    def _felt(self, motions: Motions) -> Floats:
-        arm, across = self._lever(motions)
-        spin, turning = motions["velocity"][:, :, 2], motions["acceleration"][:, :, 2]
-        return np.sum(self._directions(motions) * motions["acceleration"][:, :, :2], axis=2) + turning * across - spin**2 * arm
+    def _felt(self, table: Floats) -> Floats:
+        arm, across = self._lever(table)
+        spin, twist = (self._component(table, kind, ABOUT) for kind in ("velocity", "acceleration"))
+        return self._pushed(table, self._directions(table)) + twist * across - spin**2 * arm
 
-    def _felt_slope(self, motions: Motions, changes: Motions) -> Floats:
-        arm, across = (part[..., None] for part in self._lever(motions))
-        spin, turning = motions["velocity"][:, :, 2, None], motions["acceleration"][:, :, 2, None]
-        directions, turned = self._directions(motions), changes["position"][:, :, 2]
-        slope = np.einsum("tca,tcap->tcp", directions, changes["acceleration"][:, :, :2])
-        slope += changes["acceleration"][:, :, 2] * across - 2.0 * spin * changes["velocity"][:, :, 2] * arm
+    def _felt_slope(self, table: Floats, changes: Floats) -> Floats:
+        arm, across = (part[..., None] for part in self._lever(table))
+        spin, twist = (self._component(table, kind, ABOUT)[..., None] for kind in ("velocity", "acceleration"))
+        turned, spun, twisted = (self._component(changes, kind, ABOUT) for kind in KINDS)
+        first, second = directions = self._directions(table)
+        slope = self._pushed(changes, [one[..., None] for one in directions]) + twisted * across - 2.0 * spin * spun * arm
         if not self.own_axes:
-            return slope - (turning * arm + spin**2 * across) * turned
+            return slope - (twist * arm + spin**2 * across) * turned
         # The axis e turns with the body: de / dw is e turned by a right angle.
-        push = motions["acceleration"]
-        aside = directions[:, :, 0] * push[:, :, 1] - directions[:, :, 1] * push[:, :, 0]
+        aside = first * self._component(table, "acceleration", 1) - second * self._component(table, "acceleration", 0)
         return slope + aside[..., None] * turned
 
-    def _lever(self, motions: Motions) -> tuple[Floats, Floats]:
+    def _pushed(self, table: Floats, directions: Sequence[Floats]) -> Floats:
+        """The accelerations of the bodies, or their changes, along the axes that the channels sense along."""
+        if not self.own_axes:
+            return self._along(table, "acceleration")
+        first, second = directions
+        return first * self._component(table, "acceleration", 0) + second * self._component(table, "acceleration", 1)
+
+    def _lever(self, table: Floats) -> tuple[Floats, Floats]:
         """r and r' along the axes that the channels sense along, (time, channel)."""
         if not self.own_axes:
-            return self._arms(motions)
+            return self._arms(table)
         first, second = self.points.T
-        shape = motions["position"].shape[:2]
+        shape = len(table), len(self.along)
         lever = np.where(self.along == 0, first, second), np.where(self.along == 0, -second, first)
         return np.broadcast_to(lever[0], shape), np.broadcast_to(lever[1], shape)
 
-    def _directions(self, motions: Motions) -> Floats:
-        """Of the axes that the channels sense along, (time, channel, 2)."""
-        turn = motions["position"][:, :, 2] if self.own_axes else np.zeros(motions["position"].shape[:2])
+    def _directions(self, table: Floats) -> tuple[Floats, Floats]:
+        """Of axes that turn with the bodies and that the channels sense along, (time, channel) along each of the model's."""
+        turn = self._component(table, "position", ABOUT)
         cos, sin = np.cos(turn), np.sin(turn)
-        first = self.along == 0
-        return np.stack([np.where(first, cos, -sin), np.where(first, sin, cos)], axis=2)
+        return np.where(self.along == 0, cos, -sin), np.where(self.along == 0, sin, cos)
 
 
 def turning_readout_of(

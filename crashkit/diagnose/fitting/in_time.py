@@ -21,24 +21,42 @@ class TimeLimit:
     Arguments:
         seconds: from the first question on; what is compiled before does not count.
         show: told what is being done.
+        whole: the limit that this one is a part of; where a question was ended, it is over as well.
 
     Attributes:
         is_over: whether a question was ended.
     """
 
-    def __init__(self, seconds: float, show: Progress) -> None:
+    def __init__(self, seconds: float, show: Progress, whole: "TimeLimit | None" = None) -> None:
         self.is_over = False
         self.show = show
         self._seconds = seconds
-        self._begun: float | None = None
+        self._whole = whole
+        self._begun: float | None = whole._begun if whole else None
 
     def __call__(self, doing: str, share: float) -> None:
         """Told what is being done; raises OutOfTimeError where there is no time for it."""
         self._begun = monotonic() if self._begun is None else self._begun
         if monotonic() > self._begun + self._seconds:
-            self.is_over = True
+            self.end()
             raise OutOfTimeError
         self.show(doing, share)
+
+    def end(self) -> None:
+        """A question was ended."""
+        self.is_over = True
+        if self._whole:
+            self._whole.end()
+
+    def part(self, share: float) -> "TimeLimit":
+        """A limit that began with this one, or begins both, and ends at a share of its time."""
+        self._begun = monotonic() if self._begun is None else self._begun
+        return TimeLimit(share * self._seconds, self.show, self)
+
+
+def sooner(progress: Progress, share: float) -> Progress:
+    """A progress that ends at a share of the time, if it is limited: what is asked next has the rest."""
+    return progress.part(share) if isinstance(progress, TimeLimit) else progress
 
 
 def in_time(

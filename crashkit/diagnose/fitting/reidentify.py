@@ -42,7 +42,7 @@ def reidentify(workshop: Workshop, misfit: Misfit, everywhere: bool = True) -> S
     better optimum about there would yet look like a small effect.
 
     Arguments:
-        everywhere: whether what is left is worth those two: no numbers of a model explain instruments that contradict each other.
+        everywhere: whether what is left is worth those two: no numbers explain instruments that contradict each other.
     """
     near = understood(workshop, misfit)
     if not everywhere:

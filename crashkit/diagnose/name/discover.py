@@ -8,7 +8,7 @@ from attrs import evolve
 from crashkit.diagnose.claims import propose_all
 from crashkit.diagnose.fitting.candidates import Candidate
 from crashkit.diagnose.fitting.evidence import FLOOR, explains, ranked_by_evidence
-from crashkit.diagnose.fitting.in_time import in_time
+from crashkit.diagnose.fitting.in_time import in_time, sooner
 from crashkit.diagnose.fitting.reidentify import reidentify
 from crashkit.diagnose.fitting.search import STEPS, begin
 from crashkit.diagnose.locate.aside import CLOCK, Suspect, late_clocks, on_time, suspects, without
@@ -24,6 +24,9 @@ from crashkit.diagnose.name.settle import in_one_number, settled
 from crashkit.diagnose.name.vanished import told_by_vanished
 from crashkit.model import Model
 from crashkit.protocols import Proposal
+
+FOR_STRUCTURE = 0.6
+"""Of the time for questions: what the instruments that agree may be asked before it is asked what is wrong with the others."""
 
 
 def discover(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery:
@@ -67,7 +70,8 @@ def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | Non
     rest = workshop.first_misfit(given.model, without(given.recordings, set_aside)).with_prior(given.prior.std)
     if not rest.groups:
         return None
-    structure = explored(Inquiry(workshop, rest, reidentify(workshop, rest), inquiry.progress))
+    base, progress = reidentify(workshop, rest), sooner(inquiry.progress, FOR_STRUCTURE)
+    structure = in_time(Discovery.of(base, base), explored, Inquiry(workshop, rest, base, progress))
     search = inquiry.fit_with([look.leader for look in structure.findings], structure.search)
     if search is None:
         return None

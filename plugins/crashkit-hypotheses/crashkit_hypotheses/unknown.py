@@ -107,9 +107,7 @@ class Unknown(Hypothesis):
             *(evolve(one, estimate_of="distance", odds=RARE) for one in at_a_distance(model, joint, far, apart)),
         ]
 
-    def _in_motion(
-        self, model: Model, joint: Joint, motion: Sequence[xr.Dataset], held: Set[str]
-    ) -> list[Proposal]:
+    def _in_motion(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset], held: Set[str]) -> list[Proposal]:
         """A table of the rate, which adds to the force or multiplies it, or of the time; `held` are bodies of which a mount
         is not told apart."""
         largest, fastest = _largest_in(joint, motion), Parameter(largest_rate(motion, joint.name), fixed=True)

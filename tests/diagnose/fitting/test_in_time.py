@@ -7,7 +7,7 @@ from attrs import evolve
 
 from crashkit.diagnose import diagnose, diagnosis
 from crashkit.diagnose.fitting import in_time
-from crashkit.diagnose.fitting.in_time import OutOfTimeError, TimeLimit
+from crashkit.diagnose.fitting.in_time import OutOfTimeError, TimeLimit, sooner
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_joint
 
@@ -41,6 +41,34 @@ def damped(workshop, model, recorded):
 
 
 RUNS = (("slow.nc", 0.9, 1), ("fast.nc", 1.2, 2))
+
+
+def test_what_is_asked_first_leaves_time_for_what_is_asked_next(clock):
+    limit = TimeLimit(10.0, lambda doing, share: None)
+    limit("first", 0.0)
+    clock.now = 2.0
+    part = sooner(limit, 0.5)
+    clock.now = 4.0
+    part("early", 0.0)
+    clock.now = 6.0
+    with pytest.raises(OutOfTimeError, match="^$"):
+        part("late", 0.0)
+    assert limit.is_over
+    limit("next", 0.0)
+    clock.now = 11.0
+    with pytest.raises(OutOfTimeError, match="^$"):
+        limit("after", 0.0)
+
+
+def test_a_part_begins_a_limit_and_what_has_no_limit_has_no_part(clock):
+    limit = TimeLimit(10.0, lambda doing, share: None)
+    part = sooner(limit, 0.5)
+    clock.now = 11.0
+    for one in (part, limit):
+        with pytest.raises(OutOfTimeError, match="^$"):
+            one("late", 0.0)
+    unlimited = print
+    assert sooner(unlimited, 0.5) is unlimited
 
 
 def test_a_question_after_the_time_is_not_answered(clock):
