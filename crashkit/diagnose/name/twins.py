@@ -23,6 +23,8 @@ TIME = "time"
 """Of an estimated force, what it depends on where it may have a twin: one of the motion is another at another place."""
 HEATS = ((30, 6), (3, 40))
 """How many enter each, and how many steps each gets there."""
+ALIKE = 1.5, 1.0
+"""What then leaves more above the noise than so many times what a finding does, and so much, is no twin: after the first heat."""
 
 
 def beside_twins(workshop: Workshop, discovery: Discovery) -> Discovery:
@@ -49,7 +51,11 @@ def _beside_twins(workshop: Workshop, discovery: Discovery, look: Look) -> Look:
     twins = [] if without is None else _twins(workshop, discovery.base.model, without, winner, others)
     if without is None or not twins:
         return look
-    fitted = ranked_by_evidence(heats(twins, HEATS, lambda doing, share: None), winner.without)
+    most = ALIKE[0] * winner.search.excess + ALIKE[1]
+    twins = [one for one in heats(twins, HEATS[:1], _untold) if one.search.excess < most]
+    if not twins:
+        return look
+    fitted = ranked_by_evidence(heats(twins, HEATS[1:], _untold), winner.without)
     return _shared(evolve(look, before=without.fitted()), best_forms(by_evidence([winner, *fitted])))
 
 
@@ -77,6 +83,10 @@ def _twins(workshop: Workshop, model: Model, without: Search, winner: Rival, oth
     starts = [{path: numbers[own_name(path)] for path in twin.parameters} for twin in twins]
     misfits = [with_form(equipped, origin, twin, start) for twin, start in zip(twins, starts, strict=True)]
     return begin_candidates(workshop.identifier, twins, misfits)
+
+
+def _untold(doing: str, share: float) -> None:
+    """All questions have been asked."""
 
 
 def _numbers(rival: Rival) -> dict[str, float]:

@@ -17,7 +17,7 @@ def loads_that_turn(findings: Sequence[Finding]) -> list[tuple[Finding, Finding]
     """Bodies that turn, each with the load on it that is how it acts back on its joints.
 
     A force F at the distance a from the centre of mass of a body of mass m and inertia I, held by k, moves its own point by
-    F / (m s^2) + a^2 F / (I s^2 + k), as if it moved a mass m / (1 + m a^2 / I) that carries the rest of m on a spring, on which
+    F / (m s^2) + a^2 F / (I s^2 + k), as if it moved a mass m / (1 + m a^2 / I) that carries the rest of m on a spring. On it
     that swings at sqrt(k / (I + m a^2)). On a line, where nothing turns, that is a load.
     """
     pairs = product(*([one for one in findings if one.physics == physics] for physics in (ROCKS, LOADED)))

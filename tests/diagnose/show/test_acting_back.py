@@ -27,7 +27,9 @@ def finding(physics, body="battery", runs=("a",), **values):
 
 
 def rocks(body="battery"):
-    return finding("rotation", body, **{"instrument.film..rocking_frequency": FREQUENCY, "instrument.film.m.rocking_share": 0.2})
+    return finding(
+        "rotation", body, **{"instrument.film..rocking_frequency": FREQUENCY, "instrument.film.m.rocking_share": 0.2}
+    )
 
 
 def load(frequency, body="battery", name="elastic_stiffness"):
