@@ -24,7 +24,8 @@ TIME = "time"
 HEATS = ((30, 6), (3, 40))
 """How many enter each, and how many steps each gets there."""
 ALIKE = 1.5, 1.0
-"""What then leaves more above the noise than so many times what a finding does, and so much, is no twin: after the first heat."""
+"""What then leaves more above the noise than so many times what a finding does, and so much, is no twin: after the first of
+these heats."""
 
 
 def beside_twins(workshop: Workshop, discovery: Discovery) -> Discovery:
