@@ -8,7 +8,7 @@ from scipy.special import softmax
 from crashkit.diagnose.claims import identity, propose_all
 from crashkit.diagnose.fitting.candidates import Candidate, begin_candidates
 from crashkit.diagnose.fitting.contest import heats
-from crashkit.diagnose.fitting.evidence import Rival, best_forms, by_evidence, is_unknown, ranked_by_evidence
+from crashkit.diagnose.fitting.evidence import Rival, best_forms, by_evidence, is_unknown, ranked_by_evidence, rival_of
 from crashkit.diagnose.fitting.rebuild import rebuild
 from crashkit.diagnose.fitting.search import Search, begin
 from crashkit.diagnose.name.follow import Discovery
@@ -46,6 +46,9 @@ def beside_twins(workshop: Workshop, discovery: Discovery) -> Discovery:
 def _beside_twins(workshop: Workshop, discovery: Discovery, look: Look) -> Look:
     """The look with twins, which are weighed as the finding is now: what stands beside it may have got a better form."""
     winner = evolve(look.leader, search=discovery.search)
+    if is_unknown(winner):
+        # Beside known laws an estimate counts less than it explains, and its twins are weighed beside none.
+        winner = rival_of(winner.proposal, winner.search, winner.without)
     others = [one.leader for one in discovery.findings if one is not look]
     is_elsewhere = is_unknown(winner) and winner.proposal.estimate_of != TIME
     without = None if is_elsewhere else rebuild(workshop, begin(workshop.identifier, discovery.base), others, winner.search)

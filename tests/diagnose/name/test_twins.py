@@ -80,7 +80,8 @@ def estimated(workshop, model, misfit, recorded):
         base = begin(workshop.identifier, misfit(model, run=recorded(model)))
         table = next(p for p in propose_all(workshop, base.fitted()) if p.physics == "unknown" and p.form == form)
         search = begin(workshop.identifier, workshop.misfit(base.fitted(), table.model)).advance(40)
-        look = Look((rival_of(table, search, base.deviance),), (1.0,), 0.0, base.fitted())
+        beside_known_laws = evolve(rival_of(table, search, base.deviance), evidence=-1e3)
+        look = Look((beside_known_laws,), (1.0,), 0.0, base.fitted())
         discovery = Discovery(base.fitted(), search.fitted(), search, (look,))
         return look, beside_twins(workshop, discovery).findings[0]
 
