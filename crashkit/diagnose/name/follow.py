@@ -17,6 +17,7 @@ from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import FORM_ERRORS, READINGS, Look, compared, look_again
 from crashkit.diagnose.name.pace import check_pace
 from crashkit.diagnose.name.pairs import named_beside
+from crashkit.diagnose.name.pointed import with_better_pointed_to
 from crashkit.diagnose.name.settle import settled
 from crashkit.diagnose.name.tied import untied
 from crashkit.misfit import Misfit
@@ -163,7 +164,16 @@ def _freed(findings: Sequence[Look], search: Search, winner: Rival) -> tuple[lis
 
 
 def with_one_more(inquiry: Inquiry, findings: Sequence[Look], look: Look, winner: Rival) -> tuple[list[Look], Search]:
-    """The findings with the winner of a look, settled, and each in its best form."""
+    """The findings with the winner of a look, settled, and each in its best form; or with a better one that an estimate points
+    to, where that leaves far less."""
+    more, search = _with_winner(inquiry, findings, look, winner)
+    better = in_time(look, with_better_pointed_to, inquiry, look, search).winner if findings else None
+    if better is None or is_unknown(better) or better.search.deviance > search.deviance:
+        return more, search
+    return _with_winner(inquiry, findings, compared(look, [better, *look.rivals]), better)
+
+
+def _with_winner(inquiry: Inquiry, findings: Sequence[Look], look: Look, winner: Rival) -> tuple[list[Look], Search]:
     found = [one.leader for one in findings]
     more = [*findings, in_time(look, settled, inquiry, look, winner, found)]
     search = more[-1].leader.search

@@ -8,7 +8,7 @@ from crashkit.diagnose.fitting.evidence import by_evidence, ranked_by_evidence
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name import pointed
 from crashkit.diagnose.name.look import Look
-from crashkit.diagnose.name.pointed import with_causes_pointed_to
+from crashkit.diagnose.name.pointed import with_better_pointed_to, with_causes_pointed_to
 from crashkit.testing import toys
 
 ELSEWHERE, GAP, TABLE = ("joint_friction", "joint first"), ("clearance", "joint second"), ("unknown", "joint second")
@@ -72,3 +72,29 @@ def test_nothing_is_asked_where_the_estimate_leaves_something_itself(asked, monk
     monkeypatch.setattr(pointed, "UNEXPLAINED", 0.5)
     inquiry, look = asked
     assert with_causes_pointed_to(inquiry, look) is look
+
+
+def told_in_its_best_form(look):
+    return next(rival.search for rival in look.rivals if rival.identity == ELSEWHERE)
+
+
+def test_beside_a_finding_the_cause_is_found_that_an_estimate_points_to(asked, monkeypatch):
+    monkeypatch.setattr(pointed, "CONCEALED", 1.0)
+    inquiry, look = asked
+    assert with_better_pointed_to(inquiry, look, told_in_its_best_form(look)).leader.identity == GAP
+
+
+@pytest.mark.parametrize("changed", [("CONCEALED", 99.0), ("LESS", -99.0)])
+def test_beside_a_finding_nothing_is_asked_where_what_is_told_leaves_little_or_the_estimate_hardly_less(
+    asked, monkeypatch, changed
+):
+    monkeypatch.setattr(pointed, "CONCEALED", 1.0)
+    monkeypatch.setattr(pointed, *changed)
+    inquiry, look = asked
+    assert with_better_pointed_to(inquiry, look, told_in_its_best_form(look)) is look
+
+
+def test_beside_a_finding_nothing_is_asked_where_nothing_is_estimated(asked):
+    inquiry, look = asked
+    alone = Look.of([rival for rival in look.rivals if rival.identity == ELSEWHERE], look.before)
+    assert with_better_pointed_to(inquiry, alone, told_in_its_best_form(look)) is alone
