@@ -167,10 +167,11 @@ def with_one_more(inquiry: Inquiry, findings: Sequence[Look], look: Look, winner
     """The findings with the winner of a look, settled, and each in its best form; or with a better one that an estimate points
     to, where that leaves far less."""
     more, search = _with_winner(inquiry, findings, look, winner)
-    better = in_time(look, with_better_pointed_to, inquiry, look, search).winner if findings else None
-    if better is None or is_unknown(better) or better.search.deviance > search.deviance:
+    pointed = in_time(look, with_better_pointed_to, inquiry, look, search) if findings else look
+    better = pointed.winner
+    if pointed is look or better is None or is_unknown(better) or better.search.deviance > search.deviance:
         return more, search
-    return _with_winner(inquiry, findings, compared(look, [better, *look.rivals]), better)
+    return _with_winner(inquiry, findings, pointed, better)
 
 
 def _with_winner(inquiry: Inquiry, findings: Sequence[Look], look: Look, winner: Rival) -> tuple[list[Look], Search]:

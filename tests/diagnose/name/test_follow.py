@@ -21,7 +21,7 @@ from crashkit.diagnose.name.follow import (
     reconsidered,
 )
 from crashkit.diagnose.name.inquiry import Inquiry, is_given
-from crashkit.diagnose.name.look import LEAST_DROP, Look, least_drop
+from crashkit.diagnose.name.look import LEAST_DROP, Look, compared, least_drop
 from crashkit.diagnose.name.needed import _asked, _spare, needed, price
 from crashkit.diagnose.refining import _is_worthless
 from crashkit.diagnose.show.left_out import left_out_sum
@@ -378,6 +378,22 @@ def test_a_second_finding_may_outrun_the_recordings_as_well(monkeypatch, inquiry
     more, search = questioned.with_one_more(inquiry(None), [first], second, second.leader)
     assert (more, search.normalised) == ([first, second], 1.1)
     assert told == asked
+
+
+@pytest.mark.parametrize(("left", "told"), [(1.2, "fracture"), (1.8, "progressive_folding"), (None, "progressive_folding")])
+def test_an_estimate_may_point_to_a_better_second_finding(monkeypatch, inquiry, left, told):
+    """Where a cause of its place leaves less than what was told in its best form; None: it was not asked, or knows of none."""
+    monkeypatch.setattr(questioned, "settled", lambda inquiry, look, winner, found: compared(look, [winner]))
+    monkeypatch.setattr(questioned, "in_best_forms", lambda inquiry, findings, search: (findings, search))
+    monkeypatch.setattr(questioned, "in_its_stead", lambda inquiry, findings, search: (findings, search))
+    monkeypatch.setattr(questioned, "check_pace", lambda *_: None)
+    first = Look((claimed("tension", "first", 3.0),), (1.0,), 0.0, None)
+    folds = Look((claimed("progressive_folding", "second", 1.5), claimed("unknown", "second", 1.3)), (0.9, 0.1), 0.0, None)
+    pointed = compared(folds, [claimed("fracture", "second", left), *folds.rivals]) if left else folds
+    monkeypatch.setattr(questioned, "with_better_pointed_to", lambda inquiry, look, search: pointed)
+    more, search = questioned.with_one_more(inquiry(None), [first], folds, folds.leader)
+    assert [look.leader.proposal.physics for look in more] == ["tension", told]
+    assert [rival.proposal.physics for rival in more[1].rivals].count(told) == 1
 
 
 @pytest.fixture
