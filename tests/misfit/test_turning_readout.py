@@ -6,12 +6,14 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.misfit import Misfit, predictor
+from crashkit.misfit.readout import Readout
 from crashkit.misfit.turning_readout import TurningReadout
 from crashkit.model import Body, InstrumentErrors, Joint, Model, Parameter
 
 INSTANTS = np.arange(401) * 1e-4
 BEFORE = 0.01
 """s, from before contact."""
+READOUTS = [TurningReadout, TurningReadout, Readout]
 POINTS = {"x": 0.2, "z": -0.1}
 
 
@@ -54,7 +56,8 @@ def seen(registry, swinging):
         told = {"observer": "accelerometer", "frame": frame, "channel_frequency_class": frequency_class}
         film = instrument("position", "marker", 1e-3, "m", axes, observer="film")
         box = instrument("acceleration", "sensor", 1.0, "m s-2", axes, **told)
-        run = xr.DataTree.from_dict({"film": film, "box": box})
+        cell = instrument("force", "sensor", 10.0, "N", axes, observer="load_cell")
+        run = xr.DataTree.from_dict({"film": film, "box": box, "cell": cell})
         return Misfit(model, {"run": run}, registry.spring_laws, registry.observers).with_step(4e-4)
 
     return make
@@ -69,7 +72,7 @@ def told_by(misfit):
 @pytest.mark.parametrize(("frame", "frequency_class"), [("body", 0), ("laboratory", 0), ("body", 180)])
 def test_a_point_is_read_as_its_observer_says(seen, monkeypatch, axes, frame, frequency_class):
     fast = seen(axes, frame, frequency_class)
-    assert all(isinstance(one, TurningReadout) for one in fast.predictor._readouts)
+    assert [type(one) for one in fast.predictor._readouts] == READOUTS
     got = told_by(fast)
     monkeypatch.setattr(predictor, "readout_of", lambda *_: None)
     for one, other in zip(got, told_by(seen(axes, frame, frequency_class)), strict=True):
@@ -77,6 +80,7 @@ def test_a_point_is_read_as_its_observer_says(seen, monkeypatch, axes, frame, fr
 
 
 WRONG = {
+    "cell": {"gain": 1.1, "bias": 30.0, "tilt_y": 0.2, "transverse_x": 0.1, "saturation": 500.0, "clock_offset": 1e-3},
     "film": {"gain": 1.1, "bias": 0.02, "clock_offset": 1e-3, "clock_rate": 0.01, "rocking_share": 0.3},
     "box": {
         "gain": 1.1,
@@ -105,7 +109,7 @@ def with_errors(model, instrument, **errors):
 def test_a_point_is_misread_as_its_observer_says(seen, swinging, monkeypatch, name, error):
     model = with_errors(swinging, name, **{error: WRONG[name][error]})
     fast = seen(model=model)
-    assert all(isinstance(one, TurningReadout) for one in fast.predictor._readouts)
+    assert [type(one) for one in fast.predictor._readouts] == READOUTS
     got = told_by(fast)
     monkeypatch.setattr(predictor, "readout_of", lambda *_: None)
     for one, other in zip(got, told_by(seen(model=model)), strict=True):
@@ -134,4 +138,4 @@ def test_a_point_is_read_between_steps(seen, monkeypatch):
 def test_where_no_number_of_the_structure_is_free_there_are_no_columns(seen, swinging):
     known = {path: evolve(one, fixed=True) for path, one in swinging.free_parameters().items()}
     _, jacobian = (one := seen(model=swinging.with_parameters(known))).residual_and_jacobian(one.start())
-    assert jacobian.shape == (4 * len(INSTANTS), 0)
+    assert jacobian.shape == (6 * len(INSTANTS), 0)
