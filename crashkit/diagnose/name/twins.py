@@ -24,8 +24,7 @@ TIME = "time"
 HEATS = ((30, 6), (3, 40))
 """How many enter each, and how many steps each gets there."""
 ALIKE = 1.5, 1.0
-"""What then leaves more above the noise than so many times what a finding does, and so much, is no twin: after the first of
-these heats."""
+"""After the first of these, what leaves more above the noise than so many times what a finding does, and so much, is no twin."""
 
 
 def beside_twins(workshop: Workshop, discovery: Discovery) -> Discovery:
@@ -47,11 +46,12 @@ def _beside_twins(workshop: Workshop, discovery: Discovery, look: Look) -> Look:
     """The look with twins, which are weighed as the finding is now: what stands beside it may have got a better form."""
     winner = evolve(look.leader, search=discovery.search)
     if is_unknown(winner):
+        if winner.proposal.estimate_of != TIME:
+            return look
         # Beside known laws an estimate counts less than it explains, and its twins are weighed beside none.
         winner = rival_of(winner.proposal, winner.search, winner.without)
     others = [one.leader for one in discovery.findings if one is not look]
-    is_elsewhere = is_unknown(winner) and winner.proposal.estimate_of != TIME
-    without = None if is_elsewhere else rebuild(workshop, begin(workshop.identifier, discovery.base), others, winner.search)
+    without = rebuild(workshop, begin(workshop.identifier, discovery.base), others, winner.search)
     twins = [] if without is None else _twins(workshop, discovery.base.model, without, winner, others)
     if without is None or not twins:
         return look
@@ -80,9 +80,8 @@ def _twins(workshop: Workshop, model: Model, without: Search, winner: Rival, oth
     numbers = _numbers(winner)
     origin, known = without.misfit.with_values_of(winner.search.fitted()), {rival.identity for rival in (winner, *others)}
     alike = [p for p in propose_all(workshop, origin) if {own_name(path) for path in p.parameters} == set(numbers)]
+    alike = [p for p in alike if p.estimate_of == winner.proposal.estimate_of]
     twins = [twin for twin in alike if identity(twin) not in known and is_given(model, twin.location)]
-    if is_unknown(winner):
-        twins = [twin for twin in twins if twin.estimate_of == winner.proposal.estimate_of]
     equipped = workshop.equipped([twin.model for twin in twins])
     starts = [{path: numbers[own_name(path)] for path in twin.parameters} for twin in twins]
     misfits = [with_form(equipped, origin, twin, start) for twin, start in zip(twins, starts, strict=True)]

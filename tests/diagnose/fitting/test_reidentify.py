@@ -24,14 +24,18 @@ def test_the_given_model_is_found_again_from_far_away(workshop, model, far_from)
     assert reidentify(workshop, far_from(model)).normalised == pytest.approx(1.0, abs=0.05)
 
 
-@pytest.mark.parametrize(("has_more", "is_asked"), [(False, False), (True, True)])
-def test_it_is_looked_for_everywhere_only_where_something_is_left(workshop, model, far_from, has_more, is_asked, monkeypatch):
+@pytest.mark.parametrize(
+    ("has_more", "everywhere", "is_asked"), [(False, True, False), (True, True, True), (True, False, False)]
+)
+def test_it_is_looked_for_everywhere_only_where_something_is_left_that_numbers_may_explain(
+    workshop, model, far_from, has_more, everywhere, is_asked, monkeypatch
+):
     asked = []
     found = module._found
     monkeypatch.setattr(module, "_found", lambda finder, misfit: asked.append(finder) or found(finder, misfit))
     monkeypatch.setattr(module, "spread", lambda function, items: [function(item) for item in items])
     damped = model.with_parameters({"joint.first.rate_coefficient": Parameter(0.3, fixed=True)})
-    search = reidentify(workshop, far_from(damped if has_more else model))
+    search = reidentify(workshop, far_from(damped if has_more else model), everywhere)
     assert (search.normalised > 1.5) == has_more
     assert bool(asked) == is_asked
 
