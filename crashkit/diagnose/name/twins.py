@@ -24,7 +24,7 @@ TIME = "time"
 HEATS = ((30, 6), (3, 40))
 """How many enter each, and how many steps each gets there."""
 ALIKE = 1.5, 1.0
-"""After the first of these, what leaves more above the noise than so many times what a finding does, and so much, is no twin."""
+"""After the first, what leaves more above the noise than so many times what a finding does, and so much, is no twin."""
 
 
 def beside_twins(workshop: Workshop, discovery: Discovery) -> Discovery:
