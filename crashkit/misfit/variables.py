@@ -26,6 +26,10 @@ NO_PRIOR = Prior({}, math.inf)
 FARTHEST = 10.0
 """Standard deviations. A model without what it lacks may drive a stiffness to a thousand times what the user believes: its
 joint then rattles, each run takes a hundred times as long, and nothing is learnt."""
+FAR = 2.0
+"""Standard deviations from which a parameter is far from what is known of it; that many are a little off says nothing."""
+STRAINED = 9.0
+"""Chi squared of those that are far off, from which they may make up for something."""
 
 
 class SearchVariables:
@@ -86,9 +90,10 @@ class SearchVariables:
         """The residuals of what is known of parameters beforehand, and their derivatives to the search variables."""
         return self._departure(scaled), np.eye(len(scaled))[self._known] / self._stds[:, None]
 
-    def departure(self, scaled: np.ndarray) -> float:
-        """How far parameters are from what is known of them beforehand, as chi squared."""
-        return float(np.sum(self._departure(scaled) ** 2))
+    def is_strained(self, scaled: np.ndarray) -> bool:
+        """Whether some parameters are so far from what is known of them beforehand that they may make up for something."""
+        apart = self._departure(scaled)
+        return bool(np.sum(apart[np.abs(apart) >= FAR] ** 2) >= STRAINED)
 
     def _departure(self, scaled: np.ndarray) -> np.ndarray:
         return np.asarray((scaled[self._known] - self._centres) / self._stds)

@@ -9,6 +9,7 @@ from crashkit.errors import CrashkitError
 from crashkit.misfit import predictor
 from crashkit.misfit.channel import reweighted
 from crashkit.misfit.predictor import instrument_errors
+from crashkit.misfit.variables import NO_PRIOR, Prior, SearchVariables
 from crashkit.model import Body, Joint, Parameter
 from crashkit.model.edit import with_body, with_joint
 from crashkit.testing import toys
@@ -326,16 +327,21 @@ def test_an_uninformative_model_parameter_has_no_derivative(misfit, model, recor
     assert np.abs(jacobian[:, early.names.index("joint.first.clearance")]).max() > 0.0
 
 
+def departure(misfit, point):
+    """From what is known beforehand, as chi squared."""
+    return np.sum(misfit.belief(point)[0] ** 2)
+
+
 def test_what_is_known_beforehand_pulls_by_the_logarithm(misfit, model, recorded):
     own = misfit(model, run=recorded(model)).with_prior(0.2)
     path = "joint.first.crush_force"
     point = own.start()
-    assert own.departure(point) == 0.0
+    assert departure(own, point) == 0.0
     point[own.names.index(path)] += np.log(1.5)
-    assert own.departure(point) == pytest.approx((np.log(1.5) / 0.2) ** 2)
+    assert departure(own, point) == pytest.approx((np.log(1.5) / 0.2) ** 2)
     plain = misfit(model, run=recorded(model))
     gained = own.deviance(own.residual(point)) - plain.deviance(plain.residual(point))
-    assert gained == pytest.approx(own.departure(point))
+    assert gained == pytest.approx(departure(own, point))
     assert_jacobian(own.with_values({path: 1.3 * model.parameters()[path].value}), 1e-6, 2e-5)
     assert own.with_values({path: 1.3}).prior == own.prior
 
@@ -358,18 +364,31 @@ def test_a_number_that_is_not_searched_in_its_logarithm_is_known_relative_to_its
     free = model.with_parameters({gap: Parameter(0.01, 0.0, 1.0), rate: Parameter(0.0, -1.0, 1.0)})
     own = misfit(free, run=recorded(model)).with_prior(0.2)
     point = own.start()
-    assert own.departure(point) == 0.0
+    assert departure(own, point) == 0.0
     point[own.names.index(gap)] += 0.003
     point[own.names.index(rate)] += 0.5
-    assert own.departure(point) == pytest.approx(2.25)
+    assert departure(own, point) == pytest.approx(2.25)
     assert_jacobian(own.with_values({gap: 0.013}), 1e-6, 2e-5)
+
+
+@pytest.mark.parametrize(
+    ("off", "count", "is_strained"), [(2.9, 1, False), (3.1, 1, True), (1.9, 5, False), (2.1, 2, False), (2.2, 2, True)]
+)
+def test_numbers_are_strained_where_some_are_far_off_and_not_where_all_are_a_little(off, count, is_strained):
+    """Springs that are given 40 % off leave a chi squared of 14 where there are a dozen, and none of them hides anything."""
+    free = {f"joint.first.{number}": Parameter(1.0, 0.01, 100.0) for number in range(5)}
+    known = SearchVariables(free, Prior(dict.fromkeys(free, 1.0), 0.3))
+    point = known.start()
+    point[:count] += 0.3 * off
+    assert known.is_strained(point) is is_strained
+    assert not SearchVariables(free, NO_PRIOR).is_strained(point)
 
 
 def test_a_size_expected_of_a_parameter_pulls_it_towards_zero(misfit, model, recorded):
     path = "joint.first.clearance"
     expected = misfit(model.with_parameters({path: Parameter(0.01, 0.0, 1.0, size=0.004)}), run=recorded(model))
     point = expected.start()
-    assert expected.departure(point) == pytest.approx(6.25)
+    assert departure(expected, point) == pytest.approx(6.25)
     residual, jacobian = expected.residual_and_jacobian(point)
     assert len(residual) == len(expected.discrepancy(point)) + 1
     assert residual[-1] == pytest.approx(2.5)

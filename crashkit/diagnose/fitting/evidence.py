@@ -15,8 +15,6 @@ FLOOR = 1.05
 """Normalised residual above which the winner has not explained everything, and the search goes on."""
 UNEXPLAINED = 1.15
 """Normalised residual above which a model is not called consistent, and findings are not the whole explanation."""
-STRAINED = 9.0
-"""Chi squared of a departure from what the user gave above which a model's own numbers may hide physics."""
 GENUINE = 0.98
 """Share of its drop that an estimated table is credited with: two dozen free heights imitate any law, and more closely than a
 known one whose form is off by a seventh."""
@@ -167,4 +165,4 @@ def is_sound(search: Search) -> bool:
 
 def is_strained(search: Search) -> bool:
     """Whether the model's own numbers are so far from what the user gave that they may make up for physics."""
-    return bool(search.misfit.departure(search.point) >= STRAINED)
+    return search.misfit.is_strained(search.point)

@@ -9,7 +9,7 @@ from crashkit.diagnose.claims import Progress, Start, first_of_each, identity, i
 from crashkit.diagnose.fitting.candidates import Candidate
 from crashkit.diagnose.fitting.contest import GROWING, heats, promising, scores, scouted
 from crashkit.diagnose.fitting.couples import Couple
-from crashkit.diagnose.fitting.evidence import FLOOR, STRAINED, Rival, explains, is_at_noise, one_explains, ranked_by_evidence
+from crashkit.diagnose.fitting.evidence import FLOOR, Rival, explains, is_at_noise, one_explains, ranked_by_evidence
 from crashkit.diagnose.fitting.from_given import FromGiven
 from crashkit.diagnose.fitting.reidentify import scattered
 from crashkit.diagnose.fitting.score import Score
@@ -158,7 +158,7 @@ def further_rivals(
 def standing(base: Misfit) -> tuple[float, bool]:
     """The normalised residual of a model, and whether its numbers are strained."""
     residual = base.residual(base.start())
-    return float(np.sqrt(residual @ residual / base.independent_samples)), base.departure(base.start()) >= STRAINED
+    return float(np.sqrt(residual @ residual / base.independent_samples)), base.is_strained(base.start())
 
 
 def may_conceal(base: Misfit) -> bool:

@@ -24,7 +24,7 @@ SENSOR = {"sensor": "front_sensor", "instrument": "accelerometer"}
 
 def leaving(normalised, physics="fracture", location=None):
     """A look whose winner leaves so much."""
-    point = SimpleNamespace(departure=lambda at: 0.0, independent_samples=1000.0, channels=())
+    point = SimpleNamespace(is_strained=lambda at: False, independent_samples=1000.0, channels=())
     square = normalised**2
     search = SimpleNamespace(normalised=normalised, excess=square - 1.0, deviance=1e3 * square, misfit=point, point=None)
     rival = Rival(Proposal(physics, "", location or {"joint": "front"}, None, (), {}), search, 9000.0, 4500.0)

@@ -120,7 +120,7 @@ def test_where_a_form_has_moved_all_numbers_they_are_asked_again_from_there(monk
     are strained."""
 
     def leaving(excess):
-        misfit = SimpleNamespace(independent_samples=1000.0, channels=(), departure=lambda point: 40.0)
+        misfit = SimpleNamespace(independent_samples=1000.0, channels=(), is_strained=lambda point: True)
         normalised = (1.0 + excess) ** 0.5
         return SimpleNamespace(excess=excess, normalised=normalised, deviance=1000.0 * excess, misfit=misfit, point=None)
 

@@ -149,18 +149,18 @@ def test_couples_of_all_causes_are_asked_where_nothing_completes_it(second):
 
 
 @pytest.mark.parametrize(
-    ("physics", "normalised", "departure", "then"),
+    ("physics", "normalised", "strained", "then"),
     [
-        ("missing_contact", 1.04, 5.0, []),
-        ("missing_contact", 1.04, 10.0, ["in forms", "of all"]),
-        ("missing_contact", 1.1, 5.0, ["in forms", "of all"]),
-        ("unknown", 1.04, 5.0, ["in forms", "of all"]),
+        ("missing_contact", 1.04, False, []),
+        ("missing_contact", 1.04, True, ["in forms", "of all"]),
+        ("missing_contact", 1.1, False, ["in forms", "of all"]),
+        ("unknown", 1.04, False, ["in forms", "of all"]),
     ],
 )
-def test_no_two_are_asked_where_a_known_cause_explains_all_as_given(second, physics, normalised, departure, then):
+def test_no_two_are_asked_where_a_known_cause_explains_all_as_given(second, physics, normalised, strained, then):
     """And strains none of these."""
     search = SimpleNamespace(**vars(leaving(normalised)), point=None)
-    search.misfit.departure = lambda point: departure
+    search.misfit.is_strained = lambda point: strained
     alone = [(SimpleNamespace(physics=physics), search)]
     assert second(3.0, 1.4, named=1.35, alone=alone) == ["quick", "named", *then]
 

@@ -122,20 +122,20 @@ def test_of_two_findings_one_that_needs_its_numbers_keeps_them(both_told, model)
 
 
 @pytest.mark.parametrize(
-    ("left", "departure", "also_left", "share", "little", "is_asked"),
+    ("left", "strained", "also_left", "share", "little", "is_asked"),
     [
-        (1.0, 0.0, 1.0, 1.0, 0.0, True),
-        (1.0, 0.0, 1.2, 1.0, 0.0, False),
-        (1.0, 9.0, 1.2, 0.95, 0.0, True),
-        (1.0, 9.0, 1.2, 0.8, 0.0, False),
-        (1.2, 0.0, 2.0, 0.95, 0.0, True),
-        (1.2, 0.0, 2.0, 0.8, 0.0, False),
-        (2.0, 0.0, 2.0, 1.0, 0.0, False),
-        (2.0, 0.0, 2.0, 1.0, 1.0, True),
+        (1.0, False, 1.0, 1.0, 0.0, True),
+        (1.0, False, 1.2, 1.0, 0.0, False),
+        (1.0, True, 1.2, 0.95, 0.0, True),
+        (1.0, True, 1.2, 0.8, 0.0, False),
+        (1.2, False, 2.0, 0.95, 0.0, True),
+        (1.2, False, 2.0, 0.8, 0.0, False),
+        (2.0, False, 2.0, 1.0, 0.0, False),
+        (2.0, False, 2.0, 1.0, 1.0, True),
     ],
 )
 def test_what_leaves_hardly_more_at_its_place_is_asked_in_all_its_forms(
-    inquiry, workshop, offered, monkeypatch, left, departure, also_left, share, little, is_asked
+    inquiry, workshop, offered, monkeypatch, left, strained, also_left, share, little, is_asked
 ):
     """Friction told first, and a damper that explains nearly as much: only its best form is what is there. What strains the
     model's own numbers at the noise is compared with it as well, and what leaves little of what there was."""
@@ -143,7 +143,7 @@ def test_what_leaves_hardly_more_at_its_place_is_asked_in_all_its_forms(
     look, base, final = offered(800.0)
     damper = look.leader.proposal
     friction = next(p for p in propose_all(workshop, look.before) if (p.physics, p.location) == (FRICTION, damper.location))
-    misfit = SimpleNamespace(departure=lambda point: departure)
+    misfit = SimpleNamespace(is_strained=lambda point: strained)
     led = SimpleNamespace(normalised=left, deviance=final.deviance, misfit=misfit, point=None)
     winner = Rival(friction, led, look.leader.drop, 0.0)
     plain = Rival(damper, SimpleNamespace(normalised=also_left), share * look.leader.drop, -25.0)
