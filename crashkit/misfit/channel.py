@@ -7,6 +7,7 @@ import xarray as xr
 from attrs import evolve, frozen
 
 from crashkit.data.channel_filter import frequency_class
+from crashkit.data.filter_ends import unsettled
 from crashkit.errors import CrashkitError, claimed_twice
 from crashkit.misfit.noise import HALF, Noise, as_heard, channel_noise, filtered_std
 from crashkit.model import Model
@@ -144,7 +145,7 @@ def _group(run: str, name: str, observer: Observer, dataset: xr.Dataset, bodies:
     times = dataset["time"].values.astype(float)
     recorded = dataset[observer.quantity].transpose("time", observer.channel, "axis").values.astype(float)
     labels = [(str(sensor), str(axis)) for sensor in dataset[observer.channel].values for axis in dataset["axis"].values]
-    flat = recorded.reshape(len(times), -1)
+    flat = np.where(_settled(dataset, observer, times)[:, None], recorded.reshape(len(times), -1), np.nan)
     axes = len(dataset["axis"])
     noises = [_noise(dataset, observer, column, flat, times, axes) for column in range(flat.shape[1])]
     channels = tuple(
@@ -152,6 +153,12 @@ def _group(run: str, name: str, observer: Observer, dataset: xr.Dataset, bodies:
         for column, ((sensor, axis), noise) in enumerate(zip(labels, noises, strict=True))
     )
     return Group(run, name, observer, dataset, times, flat, channels)
+
+
+def _settled(dataset: xr.Dataset, observer: Observer, times: np.ndarray) -> np.ndarray:
+    """Which samples the filter of an instrument has not made up."""
+    ends = unsettled(dataset, observer.quantity)
+    return (times >= times[0] + ends) & (times <= times[-1] - ends) if ends else np.ones(len(times), dtype=bool)
 
 
 def _noise(dataset: xr.Dataset, observer: Observer, column: int, flat: np.ndarray, times: np.ndarray, axes: int) -> Noise:

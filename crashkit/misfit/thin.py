@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from crashkit.data.channel_filter import filter_channel, frequency_class
+from crashkit.data.filter_ends import UNSETTLED, unsettled
 
 SEARCH_INTERVAL = 5e-4
 """s between samples of a search; a crash has little above 500 Hz."""
@@ -46,6 +47,7 @@ def thinned(recording: xr.DataTree, quantities: Mapping[str, str], halvings: Map
 
 
 def _thin(instrument: xr.Dataset, quantity: str, halvings: int) -> xr.Dataset:
+    instrument = instrument.assign_attrs({UNSETTLED: unsettled(instrument, quantity)})
     times = instrument["time"].values
     filter_class = frequency_class(instrument)
     is_closed = 0 < filter_class < OPEN_CLASS

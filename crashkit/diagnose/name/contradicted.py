@@ -9,12 +9,13 @@ from crashkit.diagnose.fitting.evidence import (
     best_forms,
     by_evidence,
     explains,
+    is_strained,
     is_unknown,
     ranked_by_evidence,
     rival_of,
 )
 from crashkit.diagnose.fitting.search import Search
-from crashkit.diagnose.name.follow import Discovery, followed, is_estimated
+from crashkit.diagnose.name.follow import Discovery, followed, is_estimated, leave_no_third
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look, compared, led, look_again
@@ -26,7 +27,7 @@ MOST = 3
 
 def asked_first(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery | None:
     """What these looks say of all runs, if it explains everything: the rivals of a single one, or the findings of several in
-    other forms.
+    other forms, which may leave too little for another to be told.
 
     Arguments:
         inquiry: into all runs.
@@ -46,7 +47,8 @@ def _in_other_forms(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery | None
         return None
     findings = [_with_all_runs(inquiry, look, claims, search) for look in looks]
     findings, search = in_best_forms(inquiry, findings, search)
-    return Discovery.of(inquiry.base, search, tuple(findings)) if explains(search) else None
+    is_little = leave_no_third(findings, search, inquiry.base) and not is_strained(search)
+    return Discovery.of(inquiry.base, search, tuple(findings)) if explains(search) or is_little else None
 
 
 def _with_all_runs(inquiry: Inquiry, look: Look, claims: Sequence[Rival], search: Search) -> Look:

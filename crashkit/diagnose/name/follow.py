@@ -5,7 +5,16 @@ from collections.abc import Sequence
 from attrs import evolve, field, frozen
 
 from crashkit.diagnose.claims import accuses_instrument
-from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED, Rival, explains, is_unknown, ranked_by_evidence, rival_of
+from crashkit.diagnose.fitting.evidence import (
+    FLOOR,
+    UNEXPLAINED,
+    Rival,
+    explains,
+    is_sound,
+    is_unknown,
+    ranked_by_evidence,
+    rival_of,
+)
 from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.rebuild import alone_again
 from crashkit.diagnose.fitting.search import Search
@@ -132,10 +141,10 @@ def leave_no_third(findings: Sequence[Look], search: Search, base: Search) -> bo
 
 
 def _are_all(findings: Sequence[Look], search: Search, base: Search) -> bool:
-    """Whether two named findings explain all of what is so gross that noise has no room for as much as a third would have to
-    explain."""
+    """Whether two named findings leave at most what is hardly above the noise, of what is so gross that it has no room for as
+    much as a third would have to explain."""
     is_gross = FLOOR**2 - 1.0 < TRACE * base.excess
-    return len(findings) == 2 and not is_estimated(findings) and is_gross and explains(search)
+    return len(findings) == 2 and not is_estimated(findings) and is_gross and search.normalised <= FLOOR and is_sound(search)
 
 
 def is_but_a_trace(search: Search, base: Search) -> bool:

@@ -31,7 +31,7 @@ MOVED = 0.5
 """Of what is left above the noise: a form that leaves less has moved all numbers, and others may fit from there."""
 FURTHER = 4
 """Forms that are then searched for further, where their own numbers have not met: those that leave least."""
-HEATS = ((None, 4, 8), (8, 2, 40))
+HEATS = ((None, 4, 8), (8, 2, 10), (4, 1, 30))
 """How many forms enter each, from how many starts, and how many steps each gets."""
 
 

@@ -5,7 +5,7 @@ from functools import partial
 
 from attrs import evolve, field, frozen
 
-from crashkit.diagnose.claims import accuses_instrument, identity
+from crashkit.diagnose.claims import accuses_instrument, identity, is_same
 from crashkit.diagnose.fitting.candidates import Candidate
 from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import UNEXPLAINED, Rival, best_forms, explains, probabilities
@@ -28,10 +28,11 @@ READINGS = 0.2
 """How much of that a claim about one instrument must explain: the error of a form shows in all of them."""
 EXACT = 0.1
 """How much of what such a claim explained itself counts, if it has but one number: an offset has hardly a form to be wrong."""
-
 COMPLETING = 0.3
 """How much of that a claim must explain after which nothing is left, where plainly something was: the error of a form is
 hardly another law."""
+FITTED = 1.0
+"""Chi squared by which two fits of one claim may differ that end in one optimum."""
 
 
 @frozen
@@ -122,10 +123,18 @@ def look_again(
         claims = claims_from_given(inquiry, current, proposals) if found or concerns is not None else inquiry.from_given
         further = further_rivals(equipped, current, claims, proposals, ranked, afresh, inquiry.progress)
         ranked, couples = list(further.rivals), tuple(further.couples)
-    best = best_forms(ranked)
+    best = _as_before(begun, best_forms(ranked))
     look = Look.of(best, current, len({identity(p) for p in proposals}))
     look = evolve(look, least=least, limits=tuple(limits), couples=couples, is_wide=not quick)
     return evolve(look, formed=begun.formed, forms=begun.forms) if begun else look
+
+
+def _as_before(begun: Look | None, best: list[Rival]) -> list[Rival]:
+    """The rivals, the leader as an earlier look had it where it is hardly fitted better: there it was settled."""
+    if begun is None or not begun.rivals or not is_same(begun.leader.proposal, best[0].proposal):
+        return best
+    is_better = best[0].search.deviance < begun.leader.search.deviance - FITTED
+    return best if is_better else [begun.leader, *best[1:]]
 
 
 def least_drop(found: Sequence[Rival]) -> float:

@@ -115,7 +115,7 @@ def _in_forms_together(inquiry: Inquiry, first: Look, look: Look, search: Search
     """What the first cause and the known one that leaves least beside it come to, if each in its best form they leave next to
     nothing: in a form that is off, the right two may leave much."""
     known = [rival for rival in look.rivals if not is_unknown(rival)]
-    if not known or known[0].search.excess > FOLLOWED * search.excess:
+    if not known or not _is_followed(look, known[0], search):
         return None
     findings, end = with_one_more(inquiry, [first], compared(look, known), known[0])
     if not complete(end, search):
@@ -123,6 +123,12 @@ def _in_forms_together(inquiry: Inquiry, first: Look, look: Look, search: Search
     if not leave_no_third(findings, end, inquiry.base):
         look = look_again(inquiry, end.fitted(), [one.leader for one in findings])
     return followed(inquiry, [*findings[:-1], findings[-1].led_by(evolve(findings[-1].leader, search=end))], look)[0]
+
+
+def _is_followed(look: Look, claim: Rival, without: Search) -> bool:
+    """Whether a claim explains half of what is left, or an estimate at its place does: then it may in another form."""
+    here = [rival.search.excess for rival in look.rivals if rival.place == claim.place]
+    return min(here) <= FOLLOWED * without.excess
 
 
 def _two_at_once(inquiry: Inquiry, near: Look, alone: Search) -> Discovery | None:

@@ -38,11 +38,14 @@ NEARLY = 0.9
 
 def settled(inquiry: Inquiry, look: Look, winner: Rival, found: Sequence[Rival]) -> Look:
     """The look with its winner re-identified, where something is left, or numbers are strained; then challenged by claims of
-    fewer numbers and by those at its place, of which the closest are asked for in all forms.
+    fewer numbers and by those at its place, of which the closest are asked for in all forms. A first one that was settled, and
+    put in its best form since, is not again.
 
     Arguments:
         found: what was found before.
     """
+    if look.formed is winner.search and not found:
+        return look
     look = _reidentified(inquiry, look, winner)
     if is_unknown(look.leader):
         return look

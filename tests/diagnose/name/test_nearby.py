@@ -21,8 +21,8 @@ from crashkit.protocols import Proposal
 
 
 def leaving(normalised):
-    misfit = SimpleNamespace(independent_samples=1000.0)
-    return SimpleNamespace(normalised=normalised, excess=normalised**2 - 1.0, misfit=misfit)
+    misfit = SimpleNamespace(independent_samples=1000.0, channels=(), is_strained=lambda point: False)
+    return SimpleNamespace(normalised=normalised, excess=normalised**2 - 1.0, misfit=misfit, point=None)
 
 
 @pytest.fixture
@@ -159,7 +159,7 @@ def test_couples_of_all_causes_are_asked_where_nothing_completes_it(second):
 )
 def test_no_two_are_asked_where_a_known_cause_explains_all_as_given(second, physics, normalised, strained, then):
     """And strains none of these."""
-    search = SimpleNamespace(**vars(leaving(normalised)), point=None)
+    search = leaving(normalised)
     search.misfit.is_strained = lambda point: strained
     alone = [(SimpleNamespace(physics=physics), search)]
     assert second(3.0, 1.4, named=1.35, alone=alone) == ["quick", "named", *then]
@@ -190,14 +190,14 @@ def together(monkeypatch):
     best forms so much; where a look has these rivals."""
     first = rival_at("rails", "relaxation", 3.0)
 
-    def told(end, *others):
+    def told(end, *others, base=9.0):
         look = Look(others, (), 0.0, None)
         search = SimpleNamespace(fitted=lambda: None, **vars(leaving(end)))
         asked = []
         monkeypatch.setattr(nearby, "with_one_more", lambda _, begun, look, claim: ([*begun, look.led_by(claim)], search))
         monkeypatch.setattr(nearby, "look_again", lambda _, fitted, found: asked.append([one.place for one in found]))
         monkeypatch.setattr(nearby, "followed", lambda _, begun, look: ([one.leader.search.normalised for one in begun], look))
-        inquiry = SimpleNamespace(base=leaving(9.0))
+        inquiry = SimpleNamespace(base=leaving(base))
         begun = Look((first,), (1.0,), 0.0, None)
         return _in_forms_together(inquiry, begun, look, first.search), asked
 
@@ -212,9 +212,13 @@ def rival_at(place, physics, normalised):
 @pytest.mark.parametrize("place", ["nose", "rails"])
 def test_two_causes_that_leave_nothing_in_their_best_forms_are_followed_from_there(together, place):
     """At two places or at one."""
-    found, asked = together(1.05, rival_at("nose", "unknown", 1.5), rival_at(place, "clearance", 1.9))
+    found, asked = together(1.05, rival_at("nose", "unknown", 1.5), rival_at(place, "clearance", 1.9), base=5.0)
     assert found == [3.0, 1.05]
     assert asked == [["joint rails", f"joint {place}"]]
+
+
+def test_one_that_explains_little_is_put_in_its_best_form_where_an_estimate_at_its_place_explains_most(together):
+    assert together(1.05, rival_at("rails", "unknown", 1.5), rival_at("rails", "clearance", 2.5))[0] == [3.0, 1.05]
 
 
 @pytest.mark.parametrize(

@@ -38,6 +38,15 @@ def test_a_winner_that_explains_everything_is_left_as_it_is(workshop, inquiry, o
     assert told.leader is winner
 
 
+def test_a_first_winner_that_was_settled_and_asked_in_all_forms_is_not_again(inquiry, offered, monkeypatch):
+    look, base, _ = offered(800.0)
+    monkeypatch.setattr(settle, "_reidentified", lambda *_: pytest.fail("it was settled"))
+    asked = evolve(look, formed=look.leader.search)
+    assert settled(inquiry(base), asked, asked.leader, []) is asked
+    with pytest.raises(pytest.fail.Exception, match="it was settled"):
+        settled(inquiry(base), asked, asked.leader, [evolve(look.leader)])
+
+
 def test_whatever_may_act_at_the_place_of_a_winner_challenges_it(workshop, inquiry, offered):
     """Friction that was given up early, told from where a damper in its place has driven the model's own numbers."""
     look, _, final = offered(800.0)

@@ -1,0 +1,35 @@
+"""A look that goes on where an earlier one was keeps what that one had settled."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from crashkit.diagnose.fitting.evidence import Rival
+from crashkit.diagnose.name.look import Look, _as_before
+from crashkit.protocols import Proposal
+
+
+def rival(physics, deviance, form="plain"):
+    search = SimpleNamespace(deviance=deviance)
+    return Rival(Proposal(physics, form, {"joint": "nose"}, None, (), {}), search, 9e3, 4e3)
+
+
+@pytest.mark.parametrize(
+    ("found", "is_kept"),
+    [
+        (rival("fracture", 99.5), True),
+        (rival("fracture", 90.0), False),
+        (rival("fracture", 99.5, "in steps"), False),
+        (rival("clearance", 99.5), False),
+    ],
+)
+def test_a_leader_that_is_hardly_fitted_better_stays_as_it_was_settled(found, is_kept):
+    begun = Look((rival("fracture", 100.0), rival("peak_load", 300.0)), (1.0, 0.0), 0.0, None)
+    other = rival("peak_load", 200.0)
+    assert _as_before(begun, [found, other]) == [begun.leader if is_kept else found, other]
+
+
+def test_a_look_that_begins_nowhere_tells_what_it_finds():
+    found = [rival("fracture", 99.5)]
+    assert _as_before(None, found) is found
+    assert _as_before(Look((), (), 1.0, None), found) is found
