@@ -11,8 +11,8 @@ UNSETTLED = "unsettled"
 """Attribute of an instrument whose record was looked at already."""
 FORGOTTEN = 6.0
 """Time constants of the filter: after these 1/400 of what it has made up is left."""
-AT_REST = 0.4
-"""Of what a filter shows at the first sample that was told of the rest before it: a record that shows less was not."""
+AT_REST = 0.5
+"""Of what a filter that was told of the rest before shows at the first sample of a ramp: a record that shows less was not."""
 SEEN = 5.0
 """Standard deviations of a reading, that much of which must be expected there to say so."""
 
@@ -22,7 +22,7 @@ def unsettled(instrument: xr.Dataset, quantity: str) -> float:
 
     Both passes of the filter spread a rise: one from rest has come to some part of itself by the time it begins. A filter that
     has only the record continues it at both ends, mostly mirrored in its first and last sample, and that shows nothing there.
-    For a rise of the slope s from t = 0 it is s times the integral of t h(t) over t > 0, h the response to an impulse.
+    Of a ramp s t from t = 0 the former shows s times the integral of t h(t) over t > 0, h the response to an impulse.
 
     Arguments:
         instrument: a group of a recording, with the attribute `channel_frequency_class`, Hz.
@@ -42,9 +42,9 @@ def unsettled(instrument: xr.Dataset, quantity: str) -> float:
 def _is_made_up(readings: np.ndarray, noise: np.ndarray, times: np.ndarray, cfc: int) -> bool:
     """Whether channels (time, channel) that rise at once do not show that they had begun to before."""
     ramp = np.arange(len(times), dtype=float)[:, None]
-    spread = float(ChannelFilter.of(times, cfc).filtered(ramp, 0.0)[0, 0])
-    ahead = math.ceil(spread)
-    expected = spread * (readings[ahead] - readings[0]) / ahead
+    shown = ChannelFilter.of(times, cfc).filtered(ramp, 0.0)[:, 0]
+    ahead = math.ceil(shown[0])
+    expected = (readings[ahead] - readings[0]) * shown[0] / (shown[ahead] - shown[0])
     is_seen = np.abs(expected) > SEEN * noise
     return bool(is_seen.any() and np.all(readings[0, is_seen] / expected[is_seen] < AT_REST))
 
