@@ -174,8 +174,9 @@ def _is_told_by_most(search: Search) -> bool:
 
 
 def _cheaper(near: Discovery, wide: Discovery) -> Discovery:
-    """What explains more for its numbers; an estimate only gives way to what explains everything."""
-    if is_estimated(wide.findings) and not explains(near.search):
+    """What explains more for its numbers; an estimate only gives way to what explains everything, or leaves far less."""
+    leaves_alike = wide.search.normalised < BLAMED * near.search.normalised
+    if is_estimated(wide.findings) and leaves_alike and not explains(near.search):
         return wide
     return min(
         near, wide, key=lambda one: one.search.deviance + sum(price(r.leader.proposal, one.final) for r in one.findings)

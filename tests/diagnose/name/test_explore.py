@@ -10,7 +10,7 @@ from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name import explore
 from crashkit.diagnose.name.discover import discover
-from crashkit.diagnose.name.explore import _is_confirmed, _is_wrong_beside_more, _suffices, explored
+from crashkit.diagnose.name.explore import _cheaper, _is_confirmed, _is_wrong_beside_more, _suffices, explored
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look
@@ -100,6 +100,14 @@ def test_what_everything_in_sight_only_confirms_is_told():
     assert not _is_confirmed(found(1.12), Look((), (), 1.0, None))
     assert not _is_confirmed(found(1.12, ("fracture", "fracture")), leaving(1.11))
     assert not _is_confirmed(found(1.3), leaving(1.29))
+
+
+@pytest.mark.parametrize(("near", "estimate", "is_kept"), [(3.0, 18.0, True), (1.3, 1.5, False), (1.0, 1.5, True)])
+def test_an_estimate_gives_way_to_what_explains_everything_or_leaves_far_less(monkeypatch, near, estimate, is_kept):
+    """Where time was up before all was asked, the estimate that led at first is all that the wide look has to tell."""
+    monkeypatch.setattr(explore, "price", lambda proposal, misfit: 10.0)
+    nearby, wide = found(near, ("fracture", "tension")), found(estimate, ("unknown",))
+    assert _cheaper(nearby, wide) is (nearby if is_kept else wide)
 
 
 def test_a_couple_with_everything_in_sight_confirms_the_same_two():
