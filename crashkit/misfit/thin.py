@@ -47,7 +47,6 @@ def thinned(recording: xr.DataTree, quantities: Mapping[str, str], halvings: Map
 
 
 def _thin(instrument: xr.Dataset, quantity: str, halvings: int) -> xr.Dataset:
-    instrument = instrument.assign_attrs({UNSETTLED: unsettled(instrument, quantity)})
     times = instrument["time"].values
     filter_class = frequency_class(instrument)
     is_closed = 0 < filter_class < OPEN_CLASS
@@ -56,7 +55,8 @@ def _thin(instrument: xr.Dataset, quantity: str, halvings: int) -> xr.Dataset:
     if factor < 2 or len(times) < FEWEST * factor:
         return instrument
     if is_closed:
-        return instrument.isel(time=in_step(times, factor))
+        looked_at = instrument.assign_attrs({UNSETTLED: unsettled(instrument, quantity)})
+        return looked_at.isel(time=in_step(times, factor))
     return _averaged(instrument, quantity, factor, filter_class)
 
 
