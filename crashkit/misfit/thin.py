@@ -54,9 +54,10 @@ def _thin(instrument: xr.Dataset, quantity: str, halvings: int) -> xr.Dataset:
     factor = factor if is_closed else whole_block(factor)
     if factor < 2 or len(times) < FEWEST * factor:
         return instrument
+    if filter_class:
+        instrument = instrument.assign_attrs({UNSETTLED: unsettled(instrument, quantity)})
     if is_closed:
-        looked_at = instrument.assign_attrs({UNSETTLED: unsettled(instrument, quantity)})
-        return looked_at.isel(time=in_step(times, factor))
+        return instrument.isel(time=in_step(times, factor))
     return _averaged(instrument, quantity, factor, filter_class)
 
 
