@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 from attrs import evolve
 
+from crashkit.data.filter_ends import unsettled
 from crashkit.diagnose.fitting.evidence import FLOOR
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.result import IN_WORDS, Diagnosis, Estimate, Finding, Fit, place_of
@@ -62,6 +63,7 @@ def noted(discovery: Discovery, result: Identification, fits: Mapping[str, Mappi
     notes += [str(discovery.pointer)] if discovery.findings and discovery.pointer else []
     notes += of_prediction(fits["holdout"])
     notes += _of_loud_channels(discovery.final)
+    notes += _of_made_up_ends(discovery.final)
     open_levels = sorted({f"{c.instrument}/{c.sensor}" for c in discovery.final.channels if not c.noise.trusted})
     if open_levels:
         samples = discovery.final.independent_samples
@@ -77,6 +79,16 @@ def _of_loud_channels(final: Misfit) -> list[str]:
     return [
         f"the noise of {sensor} is {times:.2g} times what is stated, or estimated: what is left is white, and weighed so"
         for sensor, times in sorted(louder.items())
+    ]
+
+
+def _of_made_up_ends(final: Misfit) -> list[str]:
+    ends = {(group.name, unsettled(group.dataset, group.observer.quantity)) for group in final.groups}
+    return [
+        f"the first and last {1e3 * seconds:.2g} ms of {name} count as missing: its filter was not told of the rest before the "
+        "impact"
+        for name, seconds in sorted(ends)
+        if seconds
     ]
 
 

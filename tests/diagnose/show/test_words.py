@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 from attrs import evolve, fields
 
+from crashkit.data.filter_ends import UNSETTLED
 from crashkit.diagnose.result import Alternative, Diagnosis, Estimate, Finding, Fit
 from crashkit.diagnose.show.fits import is_misleading
 from crashkit.diagnose.show.words import VERDICTS, cut_short, far_off, noted, number, of_prediction, summarise
@@ -121,7 +122,19 @@ def test_a_number_that_came_out_far_from_what_was_given_is_noted(model):
     ("findings", "pointer", "notes"), [(("one",), "there", ["there"]), ((), "there", []), (("one",), None, [])]
 )
 def test_what_pointed_to_a_place_is_noted_with_the_finding_there(findings, pointer, notes):
-    discovery = SimpleNamespace(findings=findings, pointer=pointer, final=SimpleNamespace(channels=()))
+    discovery = SimpleNamespace(findings=findings, pointer=pointer, final=SimpleNamespace(channels=(), groups=()))
     result = SimpleNamespace(status=Status.CONVERGED, unseen=())
     fits = {"calibration": {"after": Fit(1.0, xr.Dataset())}, "holdout": {}}
     assert list(noted(discovery, result, fits)) == notes
+
+
+@pytest.mark.parametrize(("seconds", "notes"), [(0.00361, 1), (0.0, 0)])
+def test_ends_that_a_filter_has_made_up_are_noted(seconds, notes):
+    wall = SimpleNamespace(
+        name="wall", dataset=xr.Dataset(attrs={UNSETTLED: seconds}), observer=SimpleNamespace(quantity="force")
+    )
+    discovery = SimpleNamespace(findings=(), pointer=None, final=SimpleNamespace(channels=(), groups=(wall, wall)))
+    result = SimpleNamespace(status=Status.CONVERGED, unseen=())
+    told = noted(discovery, result, {"calibration": {"after": Fit(1.0, xr.Dataset())}, "holdout": {}})
+    expected = "the first and last 3.6 ms of wall count as missing: its filter was not told of the rest before the impact"
+    assert list(told) == [expected] * notes
