@@ -85,8 +85,8 @@ def _of_loud_channels(final: Misfit) -> list[str]:
 def _of_made_up_ends(final: Misfit) -> list[str]:
     ends = {(group.name, unsettled(group.dataset, group.observer.quantity)) for group in final.groups}
     return [
-        f"the first and last {1e3 * seconds:.2g} ms of {name} count as missing: its filter was not told of the rest before the "
-        "impact"
+        f"the first and last {1e3 * seconds:.2g} ms of {name} count as missing: "
+        "its filter was not told of the rest before the impact"
         for name, seconds in sorted(ends)
         if seconds
     ]
