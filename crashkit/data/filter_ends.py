@@ -31,12 +31,13 @@ def unsettled(instrument: xr.Dataset, quantity: str) -> float:
     if UNSETTLED in instrument.attrs:
         return float(instrument.attrs[UNSETTLED])
     cfc, times = frequency_class(instrument), instrument["time"].values.astype(float)
-    constant = math.sqrt(2.0) / (2.0 * math.pi * DESIGN_FREQUENCY * cfc) if cfc else 0.0
-    is_short = len(times) < 2 or times[-1] - times[0] < 4.0 * FORGOTTEN * constant
-    if not cfc or is_short or times[0] < -FORGOTTEN * constant:
+    if not cfc:
+        return 0.0
+    forgotten = FORGOTTEN * math.sqrt(2.0) / (2.0 * math.pi * DESIGN_FREQUENCY * cfc)
+    if len(times) < 2 or times[-1] - times[0] < 4.0 * forgotten or times[0] < -forgotten:
         return 0.0
     readings = instrument[quantity].transpose("time", ...).values.reshape(len(times), -1)
-    return FORGOTTEN * constant if _is_made_up(readings, _noise(instrument, quantity, readings), times, cfc) else 0.0
+    return forgotten if _is_made_up(readings, _noise(instrument, quantity, readings), times, cfc) else 0.0
 
 
 def _is_made_up(readings: np.ndarray, noise: np.ndarray, times: np.ndarray, cfc: int) -> bool:
@@ -50,7 +51,7 @@ def _is_made_up(readings: np.ndarray, noise: np.ndarray, times: np.ndarray, cfc:
 
 
 def _noise(instrument: xr.Dataset, quantity: str, readings: np.ndarray) -> np.ndarray:
-    """Standard deviation of each channel as it is told, and at least a hundredth of its largest reading where it is not."""
+    """Standard deviation of each channel as it is told, and a hundredth of its largest reading where it is not."""
     largest = 0.01 * np.nanmax(np.abs(readings), axis=0, initial=0.0)
     told = instrument.variables.get(f"{quantity}_std")
     if told is None:

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 import xarray as xr
 from attrs import evolve
+from scipy.signal import butter, filtfilt
 
+from crashkit.data.channel_filter import DESIGN_FREQUENCY, filter_channel
 from crashkit.errors import CrashkitError
 from crashkit.misfit import predictor
 from crashkit.misfit.channel import reweighted
@@ -230,6 +232,28 @@ def test_a_floor_is_no_higher_than_a_share_of_what_a_model_leaves(misfit, model,
     assert noise.std == pytest.approx(float(np.std(left)), rel=0.05)
     assert noise.least == pytest.approx(max(0.1 * noise.std, 1e-3 * peak), rel=0.05)
     assert reweighted(group, 0, np.zeros(len(left))).noise.std == pytest.approx(min(given.least, 1e-3 * peak))
+
+
+def test_ends_that_a_filter_has_made_up_are_no_readings(misfit, model, recorded, changed):
+    """A filter that mirrors the ends of a record, and the same readings through one that was told of the rest before."""
+    plain = recorded(model)
+    times = plain["accelerometer"]["time"].values
+
+    def filtered(function):
+        def change(dataset):
+            felt = dataset.assign(acceleration=dataset["acceleration"].copy(data=function(dataset["acceleration"].values)))
+            felt["acceleration_std"][:] = 0.02
+            return felt.assign_attrs(channel_frequency_class=60)
+
+        return misfit(model, run=changed(plain, "accelerometer", change))
+
+    told = filtered(lambda samples: filter_channel(samples, times, 60, before=0.0))
+    mirrored = filtered(lambda samples: filtfilt(*butter(2, DESIGN_FREQUENCY * 60, fs=1000.0), samples, axis=0))
+    believed = np.isfinite(mirrored.groups[1].recorded[:, 0])
+    assert np.isfinite(told.groups[1].recorded).all()
+    assert times[believed][[0, -1]] == pytest.approx([0.011, 0.289], abs=1e-9)
+    assert mirrored.groups[1].channels[0].samples == np.count_nonzero(believed) == 279
+    assert all(np.abs(one.residual(one.start())).max() < 0.1 for one in (told, mirrored))
 
 
 def test_levels_can_be_set_by_channel(misfit, model, recorded, changed):

@@ -130,7 +130,7 @@ def look_again(
 
 
 def _as_before(begun: Look | None, best: list[Rival]) -> list[Rival]:
-    """The rivals, the leader as an earlier look had it where it is hardly fitted better: there it was settled."""
+    """The rivals, the leader as an earlier look had it where it is hardly fitted better: it may have been settled since."""
     if begun is None or not begun.rivals or not is_same(begun.leader.proposal, best[0].proposal):
         return best
     is_better = best[0].search.deviance < begun.leader.search.deviance - FITTED

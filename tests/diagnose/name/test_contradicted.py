@@ -100,6 +100,19 @@ def test_where_no_form_of_them_explains_all_runs_everything_must_be_asked(refoun
     assert refound(("gain_error", "constant"), ("clearance", "gap")) is None
 
 
+@pytest.mark.parametrize("strained", [False, True])
+def test_two_that_leave_too_little_of_all_runs_for_a_third_are_told(monkeypatch, strained):
+    """Unless the model's own numbers had to be strained for it."""
+    search = SimpleNamespace(misfit=SimpleNamespace(is_strained=lambda point: strained), point=None, fitted=lambda: None)
+    monkeypatch.setattr(asking, "_with_all_runs", lambda inquiry, look, claims, fit: look)
+    monkeypatch.setattr(asking, "in_best_forms", lambda inquiry, findings, fit: (findings, fit))
+    monkeypatch.setattr(asking, "explains", lambda fit: False)
+    monkeypatch.setattr(asking, "leave_no_third", lambda findings, fit, base: len(findings) == 2)
+    looks = [Look((Rival(Proposal(one, "", {}, None, (), {}), search, 9e3, 4e3),), (1.0,), 0.0, None) for one in "ab"]
+    told = asked_first(SimpleNamespace(base=search, fit_with=lambda claims, last: last), looks)
+    assert told is None if strained else told.findings == tuple(looks)
+
+
 @pytest.mark.parametrize(
     ("joint", "left", "told"),
     [("first", 1.2, "progressive_folding"), ("first", 1.5, "unknown"), ("second", 1.2, "unknown")],
