@@ -12,7 +12,6 @@ from attrs import evolve, frozen
 
 from crashkit.diagnose.locate.consistency import SIGNIFICANT, by_run, check_instruments
 from crashkit.misfit import Misfit
-from crashkit.model import Model
 from crashkit.protocols import Proposal
 
 CLOCK = "clock_offset"
@@ -42,20 +41,20 @@ class Suspect:
     sensors: tuple[str, ...]
     told: str = ""
 
-    def concerns(self, proposal: Proposal, model: Model) -> bool:
-        """Whether a proposal says no more than what such a sensor reads, and that as kinematics or its channels say.
+    def concerns(self, proposal: Proposal) -> bool:
+        """Whether a proposal says what such a sensor reads, as if its body turns, and that as kinematics or its channels say.
 
         What a law of the structure is off by, an error in another form would seem to explain better.
         """
         if self.told not in ("", proposal.physics) and proposal.odds <= 1.0:
             return False
         place = proposal.location
-        of_readings = (proposal.model.bodies, proposal.model.joints) == (model.bodies, model.joints)
+        of_readings = any(path.startswith("instrument.") for path in proposal.parameters)
         return of_readings and (place.get("sensor") in self.sensors or place.get("body") == self.body)
 
-    def besides(self, finding: Proposal, model: Model) -> "Suspect | None":
+    def besides(self, finding: Proposal) -> "Suspect | None":
         """What is still accused when something was found: another sensor of the body may be wrong too."""
-        if not self.concerns(finding, model):
+        if not self.concerns(finding):
             return self
         others = tuple(sensor for sensor in self.sensors if sensor != finding.location.get("sensor"))
         return evolve(self, sensors=others) if "sensor" in finding.location and others else None

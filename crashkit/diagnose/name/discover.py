@@ -22,7 +22,6 @@ from crashkit.diagnose.name.look import Look, look_again
 from crashkit.diagnose.name.rivals import CONCEALED
 from crashkit.diagnose.name.settle import in_one_number, settled
 from crashkit.diagnose.name.vanished import told_by_vanished
-from crashkit.model import Model
 from crashkit.protocols import Proposal
 
 FOR_STRUCTURE = 0.6
@@ -92,7 +91,7 @@ def _with_what_is_wrong(inquiry: Inquiry, told: Discovery, waiting: tuple[Suspec
             break
         if look.winner is None:
             return None
-        is_told = any(one.told and one.concerns(look.winner.proposal, look.before.model) for one in waiting)
+        is_told = any(one.told and one.concerns(look.winner.proposal) for one in waiting)
         findings.append(look if is_told else in_time(look, settled, inquiry, look, look.winner, found))
         search = findings[-1].leader.search
         waiting = _still_waiting(waiting, look)
@@ -122,7 +121,7 @@ def _read_by_all(inquiry: Inquiry, structure: Discovery) -> Discovery | None:
 
 def _still_waiting(waiting: Sequence[Suspect], look: Look) -> tuple[Suspect, ...]:
     """Whom a finding does not clear."""
-    still = [one.besides(look.leader.proposal, look.before.model) for one in waiting]
+    still = [one.besides(look.leader.proposal) for one in waiting]
     return tuple(one for one in still if one is not None)
 
 
@@ -130,9 +129,9 @@ def _says_what_sensors_read(look: Look) -> bool:
     return any(path.startswith("instrument.") for path in look.leader.proposal.parameters)
 
 
-def _concern(waiting: Sequence[Suspect], proposal: Proposal, model: Model) -> bool:
-    """Whether a proposal says no more than what a sensor of one of these reads."""
-    return any(suspect.concerns(proposal, model) for suspect in waiting)
+def _concern(waiting: Sequence[Suspect], proposal: Proposal) -> bool:
+    """Whether a proposal says what a sensor of one of these reads."""
+    return any(suspect.concerns(proposal) for suspect in waiting)
 
 
 def _with_clock(inquiry: Inquiry, late: Mapping[str, float]) -> Discovery | None:

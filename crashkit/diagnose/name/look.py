@@ -13,7 +13,6 @@ from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.inquiry import Inquiry, claims_from_given, open_claims
 from crashkit.diagnose.name.rivals import Limit, further_rivals, nearest_rivals, standing
 from crashkit.misfit import Misfit
-from crashkit.model import Model
 from crashkit.protocols import Proposal
 
 CHANCE = 0.01
@@ -97,7 +96,7 @@ def look_again(
     inquiry: Inquiry,
     current: Misfit,
     found: Sequence[Rival],
-    concerns: Callable[[Proposal, Model], bool] | None = None,
+    concerns: Callable[[Proposal], bool] | None = None,
     quick: bool = False,
     begun: Look | None = None,
 ) -> Look:
@@ -107,11 +106,11 @@ def look_again(
 
     Arguments:
         current: the misfit of the model with what was found; where nothing was, the inquiry's model at its best fit.
-        concerns: which proposals, built on the current model, are to be looked at; None: all.
+        concerns: which proposals are to be looked at; None: all.
         quick: whether to stop at what is found from the current numbers.
         begun: the look that did.
     """
-    proposals = [p for p in open_claims(inquiry, current, found) if concerns is None or concerns(p, current.model)]
+    proposals = [p for p in open_claims(inquiry, current, found) if concerns is None or concerns(p)]
     equipped = inquiry.workshop.equipped([p.model for p in proposals])
     least, couples = least_drop(found), tuple[Couple, ...]()
     if begun is None:

@@ -15,7 +15,6 @@ from crashkit.diagnose.locate.consistency import by_run, check_instruments
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.result import UNKNOWN, Alternative, Diagnosis, Finding, Fit, place_of
-from crashkit.diagnose.show.acting_back import acting_back, loads_that_turn
 from crashkit.diagnose.show.action import action_of
 from crashkit.diagnose.show.expected_error import expected_error
 from crashkit.diagnose.show.experiment import experiment
@@ -119,7 +118,6 @@ def _findings(
         told.append((_with_experiment(workshop, discovery, finding, look), action))
     if discovery.search.normalised > FLOOR and UNKNOWN in workshop.hypotheses:
         told = _imitations_told(told, workshop.hypotheses[UNKNOWN].sentence)
-    told = _turning_told(told)
     trees = {f"{number}/{run}": one for number, (_, action) in enumerate(told) for run, one in action.items()}
     return tuple(finding for finding, _ in told), xr.DataTree.from_dict(trees)
 
@@ -131,14 +129,6 @@ def _imitations_told(
     places = dict.fromkeys(place_of(finding.location) for finding, _ in told)
     together = [[one for one in told if place_of(one[0].location) == place] for place in places]
     return [some[0] if len(some) == 1 else (stand_ins([f for f, _ in some], sentence), some[0][1]) for some in together]
-
-
-def _turning_told(told: list[tuple[Finding, dict[str, xr.Dataset]]]) -> list[tuple[Finding, dict[str, xr.Dataset]]]:
-    """A body that turns and the load that is how it acts back become one finding, with the force of that."""
-    for rocks, load in loads_that_turn([finding for finding, _ in told]):
-        action = next(action for finding, action in told if finding is load)
-        told = [(acting_back(rocks, load), action) if one[0] is rocks else one for one in told if one[0] is not load]
-    return told
 
 
 def _alternatives(look: Look, belief: float) -> list[Alternative]:

@@ -47,6 +47,11 @@ class CarriedLoad(Hypothesis):
         return [*tied, *(p for body, mass in carriers for p in meets_obstacle(model, body, mass, recordings))]
 
 
+def swinging_load(model: Model, body: Body, motion: Sequence[xr.Dataset]) -> Proposal:
+    """A load on a spring and a dashpot; its numbers are mass, stiffness and damping."""
+    return _tied(Carrier(model, body, body.mass.value, *stop_of(motion, body.name)))
+
+
 @frozen
 class Carrier:
     """A body that may carry a load: its mass, the speed it loses (m s-1), and the time that takes (s)."""

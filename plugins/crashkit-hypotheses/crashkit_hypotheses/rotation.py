@@ -1,17 +1,26 @@
 """A body turns about an axis that the model leaves out."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 import xarray as xr
 from attrs import evolve
 
-from crashkit.model import Model
+from crashkit.model import Body, Model, Parameter
 from crashkit.model.edit import with_instrument_error
 from crashkit.protocols import Hypothesis, Proposal
+from crashkit_hypotheses.carried_load import swinging_load
 from crashkit_hypotheses.rocking import ERRORS, TURNS, rocking
 from crashkit_hypotheses.sensors import Sensor, sensors_with
 from crashkit_hypotheses.sizes import braked_axis, duration
+
+LEAST = 0.3
+"""Of the mass of a body, that moves at once where it is held."""
+SHARES = (0.05, 0.2)
+"""Of the mass of a body, that its turning takes off where it is held, to start from."""
+DAMPING = 0.3
+"""Of a turning, of critical, to start from."""
 
 
 class Rotation(Hypothesis):
@@ -19,21 +28,27 @@ class Rotation(Hypothesis):
 
     s is how far a sensor is from the centre of mass across the motion, relative to where the body is held. On a line it
     pitches or yaws; in the plane it turns about an axis that lies in the plane, and x is along the axis on which it brakes.
+    Held off its centre of mass, it also gives way there as a lighter body does that carries the rest of it on a spring.
     """
 
     physics: ClassVar[str] = "rotation"
     sentence: ClassVar[str] = "{place} turns, which the axes of the model leave out"
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
-        """Every body that moves and carries sensors, except in space, where bodies turn about every axis."""
+        """Every body that moves and carries sensors, except in space, where bodies turn about every axis; held at its centre
+        of mass, or off that if it is no load."""
         if len(model.axes) == 3:
             return []
-        longest, known = duration(motion), model.parameters()
+        known = model.parameters()
         sensors = [_along(model, sensor, motion) for sensor in sensors_with(ERRORS, model, recordings)]
         new = [sensor for sensor in sensors if sensor.axis in ("", *sensor.axes) and sensor.prefix + ERRORS[0] not in known]
-        moving = [body.name for body in model.bodies if not body.fixed]
-        riders = {name: [sensor for sensor in new if sensor.body == name] for name in moving}
-        return [self._rocking(model, name, own, longest) for name, own in riders.items() if own]
+        riders = [(body, [sensor for sensor in new if sensor.body == body.name]) for body in model.bodies if not body.fixed]
+        seen = [(body, own) for body, own in riders if own]
+        held = [(body, own) for body, own in seen if not body.carrier]
+        return [
+            *(self._rocking(model, body.name, own, duration(motion)) for body, own in seen),
+            *(self._acting_back(model, body, own, motion) for body, own in held),
+        ]
 
     def _rocking(self, model: Model, name: str, sensors: Sequence[Sensor], longest: float) -> Proposal:
         shape = rocking(longest)
@@ -55,6 +70,35 @@ class Rotation(Hypothesis):
             dict.fromkeys(paths, 0.0),
             tuple(dict.fromkeys(shapes["rocking_frequency"], turns / longest) for turns in TURNS),
         )
+
+    def _acting_back(self, model: Model, body: Body, sensors: Sequence[Sensor], motion: Sequence[xr.Dataset]) -> Proposal:
+        """A force F at the distance a from the centre of mass of a body of mass m and inertia I, held by k, moves its own
+        point by F / (m s^2) + a^2 F / (I s^2 + k), as if it moved a mass m / (1 + m a^2 / I) that carries the rest of m on a
+        spring. On it that swings at sqrt(k / (I + m a^2)), as often as the body turns."""
+        path = f"body.{body.name}.mass"
+        mass = model.parameters()[path]
+        lighter = {path: Parameter(mass.value, LEAST * mass.value, mass.value)} if mass.fixed else {}
+        load = swinging_load(model.with_parameters(lighter), body, motion)
+        turning = self._rocking(load.model, body.name, sensors, duration(motion))
+        starts = [
+            {**turns, **_parted(load, share * mass.value, next(iter(turns.values()))), **_lighter(lighter, share)}
+            for turns in turning.starts
+            for share in SHARES
+        ]
+        paths = (*turning.parameters, *lighter, *load.parameters)
+        return evolve(turning, form="rocking, acting back", parameters=paths, null={}, starts=tuple(starts))
+
+
+def _lighter(mass: Mapping[str, Parameter], share: float) -> dict[str, float]:
+    """Where the mass of a body starts that lacks this share of it."""
+    return {path: (1.0 - share) * whole.value for path, whole in mass.items()}
+
+
+def _parted(load: Proposal, mass: float, frequency: float) -> dict[str, float]:
+    """Where the numbers of a load of this mass start that swings at this frequency, s-1, or as near to it as they may."""
+    rate, known = 2.0 * math.pi * frequency, load.model.parameters()
+    values = dict(zip(load.parameters, (mass, mass * rate**2, 2.0 * DAMPING * mass * rate), strict=True))
+    return {path: min(max(value, known[path].lower), known[path].upper) for path, value in values.items()}
 
 
 def _along(model: Model, sensor: Sensor, motions: Sequence[xr.Dataset]) -> Sensor:

@@ -1,5 +1,7 @@
 """Accelerometers that contradict their film are set aside, and nothing else is."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -11,6 +13,8 @@ from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_instrument_error, with_joint
 from crashkit.protocols import Proposal
 from crashkit.testing import toys
+
+BIAS = "instrument.accelerometer.front_sensor.bias"
 
 
 @pytest.fixture
@@ -105,14 +109,16 @@ def test_only_readings_of_its_body_concern_a_suspect(doubted, model):
     (suspect,) = doubted(accelerometer=shifted)
     wrong = with_instrument_error(model, "accelerometer", "front_sensor", "bias", Parameter(0.0))
     dashpot = Joint("dashpot", ("wall", "front"), "viscous", {"damping": Parameter(1.0)})
+    dashed, damping = with_joint(model, dashpot), "joint.dashpot.damping"
 
-    def proposal(changed, **place):
-        return Proposal("any", "", place, changed, (), {})
+    def proposal(changed, *paths, **place):
+        return Proposal("any", "", place, changed, paths, {})
 
-    assert suspect.concerns(proposal(wrong, sensor="front_sensor"), model)
-    assert suspect.concerns(proposal(wrong, body="front"), model)
-    assert not suspect.concerns(proposal(wrong, sensor="rear_sensor"), model)
-    assert not suspect.concerns(proposal(with_joint(model, dashpot), body="front"), model)
+    assert suspect.concerns(proposal(wrong, BIAS, sensor="front_sensor"))
+    assert suspect.concerns(proposal(wrong, BIAS, body="front"))
+    assert suspect.concerns(proposal(with_joint(wrong, dashpot), BIAS, damping, body="front"))
+    assert not suspect.concerns(proposal(wrong, BIAS, sensor="rear_sensor"))
+    assert not suspect.concerns(proposal(dashed, damping, body="front"))
 
 
 def test_what_kinematics_tell_of_a_sensor_is_all_that_it_is_accused_of(doubted, model):
@@ -127,9 +133,10 @@ def test_what_kinematics_tell_of_a_sensor_is_all_that_it_is_accused_of(doubted, 
     assert [suspect.told for suspect in doubted(accelerometer=shifted)] == [""]
     (suspect,) = doubted(accelerometer=weak)
     wrong = with_instrument_error(model, "accelerometer", "front_sensor", "bias", Parameter(0.0))
-    claims = [Proposal(physics, "", {"sensor": "front_sensor"}, wrong, (), {}) for physics in ("gain_error", "misalignment")]
-    assert [suspect.concerns(claim, model) for claim in claims] == [True, False]
-    assert suspect.concerns(evolve(claims[1], odds=10.0), model)  # its other channels say so
+    accused = partial(Proposal, form="", location={"sensor": "front_sensor"}, model=wrong, parameters=(BIAS,), null={})
+    claims = [accused(physics) for physics in ("gain_error", "misalignment")]
+    assert [suspect.concerns(claim) for claim in claims] == [True, False]
+    assert suspect.concerns(evolve(claims[1], odds=10.0))  # its other channels say so
 
 
 def test_beside_a_sensor_that_is_wrong_the_others_of_its_body_stay_accused(model):
@@ -137,10 +144,10 @@ def test_beside_a_sensor_that_is_wrong_the_others_of_its_body_stay_accused(model
 
     def found(**place):
         wrong = with_instrument_error(model, "accelerometer", "left", "bias", Parameter(0.0))
-        return Proposal("any", "", place, wrong, (), {})
+        return Proposal("any", "", place, wrong, (BIAS,), {})
 
-    alone = pair.besides(found(sensor="left"), model)
+    alone = pair.besides(found(sensor="left"))
     assert alone == Suspect("front", "accelerometer", ("right",))
-    assert alone.besides(found(sensor="right"), model) is None
-    assert pair.besides(found(body="front"), model) is None
-    assert pair.besides(found(sensor="elsewhere"), model) == pair
+    assert alone.besides(found(sensor="right")) is None
+    assert pair.besides(found(body="front")) is None
+    assert pair.besides(found(sensor="elsewhere")) == pair
