@@ -80,7 +80,7 @@ def free_forces(workshop: Workshop, given: Misfit) -> list[FreeForce]:
         workshop.locator.start(given)  # measures the motion, before copies of this process would each do so
     except CrashkitError:
         return []
-    forces = [p for p in propose_all(workshop, given) if p.estimate_of == IN_TIME]
+    forces = [p for p in propose_all(workshop, given) if p.form == IN_TIME and p.estimate_of == IN_TIME]
     equipped = workshop.equipped([force.model for force in forces])
     found = spread(lambda force: _course(equipped, equipped.misfit(given, force.model), force), forces)
     return sorted((one for one in found if one is not None), key=lambda one: one.left)

@@ -1,5 +1,6 @@
 """Named causes that act as an estimated force does, begun at the numbers that the model has beside that."""
 
+from collections.abc import Callable
 from functools import partial
 
 from crashkit.campaign import spread
@@ -12,6 +13,7 @@ from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look, compared
 from crashkit.diagnose.result import UNKNOWN, place_of
 from crashkit.misfit import Misfit
+from crashkit.protocols import Proposal
 
 SHARES = (1 / 3, 1.0)
 """Of the time recorded, looked at one after the other while only the numbers at the place move."""
@@ -28,7 +30,12 @@ def with_imitations(inquiry: Inquiry, look: Look, table: Rival) -> Look:
 
 
 def imitating(inquiry: Inquiry, table: Rival, without: Misfit) -> list[Candidate]:
-    """Fits of the known causes at the place of an estimated force.
+    """Fits of the known causes at the place of an estimated force."""
+    return begun_beside(inquiry, table, without, lambda claim: claim.physics != UNKNOWN)
+
+
+def begun_beside(inquiry: Inquiry, table: Rival, without: Misfit, wanted: Callable[[Proposal], bool]) -> list[Candidate]:
+    """Fits of such claims at the place of an estimated force.
 
     A cause that is not named drives the model's own numbers away, and a search that begins there may never come back. Beside
     the estimate they are about right, so that each cause only has to find its own, and those of its place.
@@ -36,13 +43,14 @@ def imitating(inquiry: Inquiry, table: Rival, without: Misfit) -> list[Candidate
     Arguments:
         table: the estimate.
         without: the misfit of the model without it.
+        wanted: whether a claim is to be fitted.
     """
     origin, place = without.with_values_of(table.search.fitted()), table.place
-    known = [p for p in propose_all(inquiry.workshop, origin) if p.physics != UNKNOWN and place_of(p.location) == place]
+    known = [p for p in propose_all(inquiry.workshop, origin) if place_of(p.location) == place and wanted(p)]
     equipped = inquiry.workshop.equipped([proposal.model for proposal in known])
     here = tuple(f"{kind}.{name}." for kind, name in table.proposal.location.items())
     starts = [(proposal, {**proposal.null, **start}) for proposal in known for start in proposal.starts]
-    told = partial(inquiry.progress, f"fitting {len(known)} causes to the force estimated at {place}")
+    told = partial(inquiry.progress, f"fitting {len(known)} claims to the force estimated at {place}")
     ends = spread(partial(along, equipped, origin, route=SHARES, here=here), starts, lambda done: told(done / len(starts)))
     ranked = sorted(zip((proposal for proposal, _ in starts), ends, strict=True), key=lambda one: one[1][1])
     ahead = first_of_each(ranked, 1)[: FORMS[0]]

@@ -1,4 +1,4 @@
-"""Estimates that are asked for where everything else leaves something: one narrow bump, or what another joint drives."""
+"""Estimates asked for where everything else leaves something: a narrow bump, a pulse, or what another joint drives."""
 
 from attrs import evolve
 

@@ -26,9 +26,14 @@ RELEASE = 5.0
 """Its slope on the way back, relative to that on the way in, to start from."""
 
 
+LEVELS, CORNERS = (0.1, 0.4), (0.1, 0.7)
+"""Of the force of a member, relative to the largest in a model's own, and of where it begins to yield and to stiffen, relative
+to the approach, to start from."""
+
+
 class MissingContact(Hypothesis):
     """A joint between two bodies that have none: F = k x, c x^2, P x^n (1 + c ddot) or k x + c ddot, x = max(0, d - gap), or
-    one crushed, to a plateau or to densification beyond it; or P x^n that rubs."""
+    one crushed, to a plateau or to densification beyond it, which may rise to it; or P x^n that rubs."""
 
     physics: ClassVar[str] = "missing_contact"
     sentence: ClassVar[str] = "{place} touch, which the model does not know"
@@ -44,7 +49,7 @@ class MissingContact(Hypothesis):
                 *self._forms(model, pair, reached),
                 self._with_dashpot(model, pair, reached),
                 self._rubbing(model, pair, reached),
-                self._member(model, pair, reached, force),
+                *self._members(model, pair, reached, force),
             )
         ]
 
@@ -82,24 +87,38 @@ class MissingContact(Hypothesis):
         effect = Effect(self.physics, "power, rubbing", "power_stop", rubbing, "force", starts)
         return between(model, pair, effect, ("rubbing",))
 
-    def _member(self, model: Model, pair: tuple[str, str], reached: float, force: float) -> Proposal:
-        """A whole member between the two, as a model's own are: elastic, a plateau, densification, behind a gap.
+    def _members(self, model: Model, pair: tuple[str, str], reached: float, force: float) -> list[Proposal]:
+        """A whole member between the two, as a model's own are: elastic, a plateau or a slope, densification, behind a gap.
 
         Arguments:
             force: N, the largest in the model's own joints.
         """
         slope = Parameter(5.0 * force / reached, 1e-3 * force / reached, 1e4 * force / reached)
-        member = {
-            "elastic_stiffness": slope,
-            "crush_force": Parameter(0.3 * force, 1e-4 * force, 10.0 * force),
-            "densification_deformation": Parameter(0.7 * reached, 1e-3 * reached, 10.0 * reached),
-            "densification_stiffness": slope,
+        gap_and_release = {
             "unloading_stiffness": evolve(slope, value=20.0 * force / reached),
             "clearance": Parameter(0.3 * reached, 0.0, reached),
         }
-        gaps = grid(clearance=[share * reached for share in LINE[:4]], crush_force=[0.1 * force, 0.4 * force])
-        effect = Effect(self.physics, "member", "crush_plateau", member, "crush_force", gaps, null=None)
-        return evolve(between(model, pair, effect), refined=True)
+        held, gaps = Parameter(0.3 * force, 1e-4 * force, 10.0 * force), [share * reached for share in LINE[:4]]
+        plateau = {
+            "elastic_stiffness": slope,
+            "crush_force": held,
+            "densification_deformation": Parameter(0.7 * reached, 1e-3 * reached, 10.0 * reached),
+            "densification_stiffness": slope,
+        }
+        rising = {
+            "force": (held, held),
+            "deformation": tuple(Parameter(way * reached, 1e-3 * reached, 10.0 * reached) for way in CORNERS),
+            "final_stiffness": slope,
+        }
+        level = grid(clearance=gaps, crush_force=[share * force for share in LEVELS])
+        sloping = [
+            {"clearance": gap, "force[0]": share * force, "force[1]": 2.0 * share * force} for gap in gaps for share in LEVELS
+        ]
+        effects = (
+            Effect(self.physics, "member", "crush_plateau", plateau | gap_and_release, "crush_force", level, null=None),
+            Effect(self.physics, "member, rising", "piecewise_affine", rising | gap_and_release, "force", sloping, null=None),
+        )
+        return [evolve(between(model, pair, effect), refined=True) for effect in effects]
 
 
 def _gap(reached: float) -> dict[str, Parameter]:

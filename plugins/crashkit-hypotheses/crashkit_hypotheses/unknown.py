@@ -38,7 +38,9 @@ KNOTS = 24
 BUMPS = 16
 """Where a single bump is begun."""
 NARROW = 0.04
-"""Of the deformation reached: how wide."""
+"""Of the deformation reached, or of the time recorded: how wide."""
+PULSES, LARGEST = 8, 8.0
+"""Where a single pulse is begun, and how large it may be, in times the largest force of the joint."""
 DRIVEN = "deformation of"
 """Of another joint, whose name follows: form of a table."""
 LEAST = 1e-3
@@ -63,7 +65,7 @@ explain it."""
 
 
 class Unknown(Hypothesis):
-    """A smooth table f over the range that the recordings cover, or a narrow bump.
+    """A smooth table f over the range that the recordings cover, or a narrow bump, or one pulse of the time.
 
     In a joint F = F_law + f(d), unloading in its own way or along f itself, there also where its ends are apart;
     F_law + B exp(-((d - c) / w)^2), F_law + f(ddot), F_law (1 + f(ddot)), F_law + f(t), F_law (1 + f(d of another joint)) or,
@@ -84,9 +86,11 @@ class Unknown(Hypothesis):
             *(form for joint in used for form in self._along(model, joint, motion)),
             *(form for joint in used for form in self._in_motion(model, joint, motion, held)),
             *(form for joint in used for form in self._narrow(model, joint, motion)),
+            *(self._pulse_in(model, joint, motion) for joint in used),
             *(form for joint in used for form in self._driven(model, joint, used, motion)),
             *(self._between(model, pair, reach, motion) for pair, reach in approaching(model, motion).items()),
             *(form for body in pushed if body.name not in held for form in self._on_body(model, body, motion)),
+            *(self._pulse_on(model, body, motion) for body in pushed if body.name not in held),
             *(evolve(self._on_body(model, body, motion)[0], refined=True) for body in pushed if body.name in held),
         ]
 
@@ -135,6 +139,28 @@ class Unknown(Hypothesis):
         kept = evolve(lost, form="bump, both ways")
         forms = (added(model, joint, lost), parallel(model, joint, kept))
         return [evolve(form, refined=True, estimate_of="deformation") for form in forms]
+
+    def _pulse_in(self, model: Model, joint: Joint, motion: Sequence[xr.Dataset]) -> Proposal:
+        """One pulse of the time, for which the heights of a table may be too far apart."""
+        pulse = parallel(model, joint, self._pulse(_largest_in(joint, motion), motion))
+        return evolve(pulse, refined=True, estimate_of="time")
+
+    def _pulse_on(self, model: Model, body: Body, motion: Sequence[xr.Dataset]) -> Proposal:
+        """The same on a body."""
+        pulse = grounded(model, body, self._pulse(_largest_at(model, (body.name,), motion), motion))
+        return evolve(pulse, refined=True, estimate_of="time")
+
+    def _pulse(self, largest: float, motion: Sequence[xr.Dataset]) -> Effect:
+        longest = duration(motion)
+        width = Parameter(NARROW * longest, 0.1 * NARROW * longest, longest)
+        pulse = {
+            "pulse_force": Parameter(0.0, -LARGEST * largest, LARGEST * largest),
+            "pulse_time": Parameter(0.5 * longest, 0.0, longest),
+            "rise_time": width,
+            "fall_time": width,
+        }
+        starts = grid(pulse_time=[(i + 0.5) / PULSES * longest for i in range(PULSES)])
+        return Effect(self.physics, "pulse", "pulse", pulse, "pulse_force", starts)
 
     def _driven(self, model: Model, joint: Joint, used: Sequence[Joint], motion: Sequence[xr.Dataset]) -> list[Proposal]:
         """What other joints may do to this one: multiply its force or, on a line, add to it; asked where all else leaves

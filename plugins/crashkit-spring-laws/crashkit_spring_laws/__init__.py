@@ -44,7 +44,7 @@ from crashkit_spring_laws.stops import (
     TensionSpring,
     YieldingStrap,
 )
-from crashkit_spring_laws.tables import Bump, DrivenCurve, RateCurve, RateTable, SmoothTable, TimeTable
+from crashkit_spring_laws.tables import Bump, DrivenCurve, Pulse, RateCurve, RateTable, SmoothTable, TimeTable
 from crashkit_spring_laws.tie import Tie
 
 SPRING_LAWS = (
@@ -107,6 +107,7 @@ SPRING_LAWS = (
     Bump,
     RateTable,
     TimeTable,
+    Pulse,
     RateCurve,
     DrivenCurve,
 )
@@ -143,6 +144,7 @@ __all__ = [
     "PlasticShare",
     "PointedPeak",
     "PowerStop",
+    "Pulse",
     "QuadraticStop",
     "RateCurve",
     "RateEyring",

@@ -131,6 +131,53 @@ class TimeTable(SpringLaw):
         return 1.0
 
 
+class Pulse(SpringLaw):
+    """A force of the time alone that comes and goes once, in contact or not: F = B exp(-((t - pulse_time) / w)^2).
+
+    w is `rise_time` before it is largest and `fall_time` from there on.
+    """
+
+    name = "pulse"
+    memory = "time_passed"
+    passive = False
+    parameters = (
+        ParameterSpec("pulse_force", "N", "at its largest, of either sign (B)", null=0.0),
+        ParameterSpec("pulse_time", "s", "when it is largest", lower=0.0),
+        ParameterSpec("rise_time", "s", "before that, since 37 % of it were reached", lower=1e-5),
+        ParameterSpec("fall_time", "s", "after that, until 37 % of it are left", lower=1e-5),
+    )
+
+    @staticmethod
+    def force(
+        d: float,
+        ddot: float,
+        d_max: float,
+        time_passed: float,
+        pulse_force: float,
+        pulse_time: float,
+        rise_time: float,
+        fall_time: float,
+    ) -> float:
+        """The force, N, compression positive."""
+        since = time_passed - pulse_time
+        over = since / fall_time if since > 0.0 else since / rise_time
+        return pulse_force * math.exp(-(over * over))
+
+    @staticmethod
+    def memory_rate(
+        d: float,
+        ddot: float,
+        d_max: float,
+        time_passed: float,
+        pulse_force: float,
+        pulse_time: float,
+        rise_time: float,
+        fall_time: float,
+    ) -> float:
+        """How fast time passes, 1."""
+        return 1.0
+
+
 class RateCurve(SpringLaw):
     """A smooth factor of the rate: 1 + bumps at even distances between -rate_reach and rate_reach.
 

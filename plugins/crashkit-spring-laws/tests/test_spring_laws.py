@@ -43,6 +43,7 @@ from crashkit_spring_laws import (
     PlasticShare,
     PointedPeak,
     PowerStop,
+    Pulse,
     QuadraticStop,
     QuasiLinear,
     RateCurve,
@@ -198,6 +199,7 @@ class TestSpringLaws(SpringLawContract):
 @pytest.fixture(
     params=[
         (TimeTable, {"heights": [1e4, -2e4, 3e4], "duration": 0.2}),
+        (Pulse, {"pulse_force": -2e4, "pulse_time": 0.05, "rise_time": 0.01, "fall_time": 0.03}),
         (Brake, {"friction_force": 5e3, "start": 0.02, "rise": 0.01}),
     ],
     ids=lambda example: example[0].name,
@@ -235,7 +237,7 @@ class TestForceAtNoDeformation(SpringLawContract):
 
 
 def test_every_law_is_tested():
-    assert {law for law, _ in EXAMPLES} | {TimeTable, Brake} == set(SPRING_LAWS)
+    assert {law for law, _ in EXAMPLES} | {TimeTable, Pulse, Brake} == set(SPRING_LAWS)
 
 
 def value(law, d, ddot=0.0, d_max=None, **parameters):
@@ -567,6 +569,16 @@ def test_a_force_of_the_time_acts_whether_or_not_there_is_contact():
     forces = [TimeTable.force(d, 0.0, max(d, 0.0), 0.05, **table) for d in (-0.1, 0.0, 0.3)]
     assert forces == pytest.approx([1e4 - 2e4 * math.exp(-1.0 / 0.64)] * 3)
     assert TimeTable.memory_rate(0.1, 2.0, 0.1, 0.05, **table) == 1.0
+
+
+def test_a_pulse_comes_and_goes_once_whether_or_not_there_is_contact():
+    pulse = {"pulse_force": 3e4, "pulse_time": 0.04, "rise_time": 0.01, "fall_time": 0.02}
+    forces = [Pulse.force(d, 0.0, max(d, 0.0), 0.04, **pulse) for d in (-0.1, 0.0, 0.3)]
+    assert forces == [3e4] * 3
+    early, late, gone = (Pulse.force(0.1, 0.0, 0.1, time, **pulse) for time in (0.03, 0.06, 0.2))
+    assert (early, late) == pytest.approx((3e4 / math.e, 3e4 / math.e))
+    assert abs(gone) < 1e-9
+    assert Pulse.memory_rate(0.1, 2.0, 0.1, 0.05, **pulse) == 1.0
 
 
 def test_a_bump_is_a_bell_that_comes_back_as_it_came():
