@@ -38,7 +38,7 @@ def asked(workshop, misfit, recorded, simulated, inquiry):
 
 def of(inquiry, physics):
     """The best claim of this kind, as a discovery."""
-    look = look_again(inquiry, inquiry.base.fitted(), [], concerns=lambda p, model: p.physics == physics, quick=True)
+    look = look_again(inquiry, inquiry.base.fitted(), [], concerns=lambda p: p.physics == physics, quick=True)
     search = look.leader.search
     return Discovery(inquiry.base.fitted(), search.fitted(), search, (look,))
 

@@ -1,0 +1,52 @@
+"""A short force of the time, which a table over the whole run is too coarse for, is told as one pulse."""
+
+import pytest
+from attrs import evolve
+
+from crashkit.diagnose.claims import propose_all
+from crashkit.diagnose.fitting.evidence import ranked_by_evidence
+from crashkit.diagnose.fitting.search import begin
+from crashkit.diagnose.name import narrowed
+from crashkit.diagnose.name.look import Look
+from crashkit.diagnose.name.narrowed import with_pulses
+from crashkit.diagnose.result import place_of
+from crashkit.model import Joint, Parameter
+from crashkit.model.edit import with_joint
+from crashkit.testing import toys
+
+PULSE = {"pulse_force": 6e4, "pulse_time": 0.06, "rise_time": 0.003, "fall_time": 0.006}
+"""N and s; the heights of a table are 12.5 ms apart."""
+SECOND = "joint second"
+
+
+@pytest.fixture(scope="module")
+def asked(workshop, inquiry, misfit, recorded):
+    """Of two masses with a charge between them, an inquiry, and what tables of the time in the joints leave."""
+    two = toys.two_degrees()
+    charge = {name: Parameter(value, fixed=True) for name, value in PULSE.items()}
+    true = with_joint(two, Joint("charge", ("front", "rear"), "pulse", charge))
+    given = misfit(two, slow=recorded(true, 0.9, 1), fast=recorded(true, 1.2, 2)).with_prior(0.3)
+    base = begin(workshop.identifier, given).advance(60)
+    tables = [p for p in propose_all(workshop, base.fitted(), "unknown") if p.form == "time" and "joint" in p.location]
+    starts = [workshop.misfit(base.fitted(), table.model) for table in tables]
+    fits = [(p, begin(workshop.identifier, start).advance(20)) for p, start in zip(tables, starts, strict=True)]
+    return inquiry(base, given=given), Look.of(ranked_by_evidence(fits, base.deviance), base.fitted())
+
+
+def test_a_short_force_is_told_as_a_pulse_where_it_acts(asked):
+    inquiry, look = asked
+    assert look.leader.search.normalised > 1.3
+    told = with_pulses(inquiry, look).leader
+    assert (told.proposal.form, place_of(told.proposal.location)) == ("pulse", SECOND)
+    assert told.search.normalised == pytest.approx(1.0, abs=0.03)
+    values = {path.rsplit(".", 1)[-1]: told.search.values[path] for path in told.proposal.parameters}
+    assert values == pytest.approx(PULSE, rel=0.1)
+
+
+def test_none_is_asked_for_where_a_table_leaves_nothing_or_another_claim_leads(asked, monkeypatch):
+    inquiry, look = asked
+    other = evolve(look.leader, proposal=evolve(look.leader.proposal, form="rate", estimate_of="rate"))
+    elsewhere = evolve(look, rivals=(other, *look.rivals))
+    assert with_pulses(inquiry, elsewhere) is elsewhere
+    monkeypatch.setattr(narrowed, "UNEXPLAINED", float("inf"))
+    assert with_pulses(inquiry, look) is look
