@@ -16,7 +16,7 @@ from crashkit.misfit.fine_step import crude_step
 from crashkit.misfit.noise import Noise
 from crashkit.misfit.predictor import STEP, Prediction, Predictor
 from crashkit.misfit.rows import Rows, rows_of
-from crashkit.misfit.variables import NO_PRIOR, Prior, SearchVariables
+from crashkit.misfit.variables import NO_PRIOR, Prior, SearchVariables, sums_of_free
 from crashkit.model import Model
 from crashkit.protocols import Laws, Observer
 
@@ -53,7 +53,7 @@ class Misfit(SearchVariables):
         step: float = STEP,
         prior: Prior = NO_PRIOR,
     ) -> None:
-        super().__init__(kept_apart(model, simulator.layout.increasing()), prior)
+        super().__init__(kept_apart(model, simulator.layout.increasing()), prior, sums_of_free(model))
         self.model = model
         self.recordings = recordings
         self.simulator = simulator
@@ -122,7 +122,7 @@ class Misfit(SearchVariables):
 
     def deviance(self, residual: np.ndarray) -> float:
         """Minus twice the log likelihood, up to a constant: of all channels, and of what is known of parameters beforehand."""
-        known = float(np.sum(residual[len(residual) - self._known.size :] ** 2))
+        known = float(np.sum(residual[self.sample_count :] ** 2))
         return known + float(np.sum(self.channel_deviances(residual)))
 
     def channel_deviances(self, residual: np.ndarray) -> np.ndarray:

@@ -1,12 +1,12 @@
 """What an identifier searches: the free parameters of a model, and what is known of them beforehand."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from attrs import frozen
 
-from crashkit.model import Parameter
+from crashkit.model import KnownSum, Model, Parameter
 
 
 @frozen
@@ -38,15 +38,18 @@ class SearchVariables:
     Arguments:
         free: by path.
         prior: what is known of some of them.
+        sums: of some of them, that are known.
     """
 
-    def __init__(self, free: Mapping[str, Parameter], prior: Prior) -> None:
+    def __init__(self, free: Mapping[str, Parameter], prior: Prior, sums: Sequence[KnownSum] = ()) -> None:
         self.prior = prior
         self.names, self._free = tuple(free), tuple(free.values())
         self._log = np.array([parameter.lower > 0 for parameter in self._free], dtype=bool)
         expected = [self._expected(name, parameter) for name, parameter in free.items()]
         self._known = np.flatnonzero([std < math.inf for _, std in expected])
         self._centres, self._stds = np.array(expected).reshape(-1, 2)[self._known].T
+        self._sums = np.array([np.isin(self.names, one.paths) / one.std for one in sums]).reshape(-1, len(free))
+        self._totals = np.array([one.total / one.std for one in sums])
 
     def start(self) -> np.ndarray:
         """The model's own values, as search variables."""
@@ -88,7 +91,8 @@ class SearchVariables:
 
     def belief(self, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The residuals of what is known of parameters beforehand, and their derivatives to the search variables."""
-        return self._departure(scaled), np.eye(len(scaled))[self._known] / self._stds[:, None]
+        alone = np.eye(len(scaled))[self._known] / self._stds[:, None]
+        return self._departure(scaled), np.vstack([alone, self._sums * self.scaling(scaled)])
 
     def is_strained(self, scaled: np.ndarray) -> bool:
         """Whether some parameters are so far from what is known of them beforehand that they may make up for something."""
@@ -96,7 +100,8 @@ class SearchVariables:
         return bool(np.sum(apart[np.abs(apart) >= FAR] ** 2) >= STRAINED)
 
     def _departure(self, scaled: np.ndarray) -> np.ndarray:
-        return np.asarray((scaled[self._known] - self._centres) / self._stds)
+        alone = (scaled[self._known] - self._centres) / self._stds
+        return np.concatenate([alone, self._sums @ self.parameters(scaled) - self._totals])
 
     def _expected(self, name: str, parameter: Parameter) -> tuple[float, float]:
         """Mean and standard deviation of a search variable beforehand."""
@@ -108,3 +113,14 @@ class SearchVariables:
     def known_to(self, std: float) -> Prior:
         """That the values are known to about `std`, relative to each; of zeros nothing is known."""
         return Prior({n: p.value for n, p in zip(self.names, self._free, strict=True) if p.value and math.isinf(p.size)}, std)
+
+
+def sums_of_free(model: Model) -> list[KnownSum]:
+    """The known sums of a model, of their free parameters alone."""
+    free, values = model.free_parameters(), model.values()
+    return [_of_free(one, free, values) for one in model.sums if not free.keys().isdisjoint(one.paths)]
+
+
+def _of_free(known: KnownSum, free: Mapping[str, Parameter], values: Mapping[str, float]) -> KnownSum:
+    rest = sum(values[path] for path in known.paths if path not in free)
+    return KnownSum(tuple(path for path in known.paths if path in free), known.total - rest, known.std)

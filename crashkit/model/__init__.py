@@ -5,6 +5,6 @@ from crashkit.model.given import GivenForce, GivenMotion
 from crashkit.model.instrument import InstrumentErrors
 from crashkit.model.joint import Joint
 from crashkit.model.model import Model
-from crashkit.model.parameter import Parameter
+from crashkit.model.parameter import KnownSum, Parameter
 
-__all__ = ["Body", "GivenForce", "GivenMotion", "InstrumentErrors", "Joint", "Model", "Parameter"]
+__all__ = ["Body", "GivenForce", "GivenMotion", "InstrumentErrors", "Joint", "KnownSum", "Model", "Parameter"]

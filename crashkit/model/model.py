@@ -10,7 +10,7 @@ from crashkit.model.body import Body
 from crashkit.model.choice import choice_fault
 from crashkit.model.instrument import InstrumentErrors
 from crashkit.model.joint import Joint
-from crashkit.model.parameter import Parameter
+from crashkit.model.parameter import KnownSum, Parameter
 from crashkit.model.summary import head_of, lines_of
 from crashkit.model.value_checks import check_paths, check_values
 
@@ -30,6 +30,7 @@ class Model:
         axes: one, two (plane motion) or three (space) of x, y, z, in this order.
         bodies, joints, instruments: the parts.
         gravity: m s-2, one value for each axis; (): none.
+        sums: of numbers, that are known; of hypotheses only: no file holds them.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Model:
     joints: tuple[Joint, ...]
     instruments: tuple[InstrumentErrors, ...] = field(default=())
     gravity: tuple[float, ...] = field(default=())
+    sums: tuple[KnownSum, ...] = field(default=())
 
     def __repr__(self) -> str:
         head = head_of(self.name, self.axes, self.bodies, self.joints)

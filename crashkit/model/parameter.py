@@ -1,4 +1,4 @@
-"""A number of a model that may be free to be identified."""
+"""A number of a model that may be free to be identified, and a sum of several that is known."""
 
 import math
 
@@ -18,3 +18,18 @@ class Parameter:
     upper: float = math.inf
     fixed: bool = False
     size: float = math.inf
+
+
+@frozen
+class KnownSum:
+    """What several numbers of a model come to, of which each may be free: a hypothesis may part what was weighed as one.
+
+    Attributes:
+        paths: of the numbers.
+        total: that they come to.
+        std: how well that is known.
+    """
+
+    paths: tuple[str, ...]
+    total: float
+    std: float

@@ -7,7 +7,7 @@ from typing import ClassVar
 import xarray as xr
 from attrs import evolve
 
-from crashkit.model import Body, Model, Parameter
+from crashkit.model import Body, KnownSum, Model, Parameter
 from crashkit.model.edit import with_instrument_error
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.carried_load import swinging_load
@@ -17,6 +17,8 @@ from crashkit_hypotheses.sizes import braked_axis, duration
 
 LEAST = 0.3
 """Of the mass of a body, that moves at once where it is held."""
+WEIGHED = 1e-3
+"""Of that mass, how well it is kept: what else acts beside the turning makes up for nothing by it."""
 SHARES = (0.05, 0.2)
 """Of the mass of a body, that its turning takes off where it is held, to start from."""
 DAMPING = 0.3
@@ -79,7 +81,9 @@ class Rotation(Hypothesis):
         mass = model.parameters()[path]
         lighter = {path: Parameter(mass.value, LEAST * mass.value, mass.value)} if mass.fixed else {}
         load = swinging_load(model.with_parameters(lighter), body, motion)
-        turning = self._rocking(load.model, body.name, sensors, duration(motion))
+        together = KnownSum((path, load.parameters[0]), mass.value, WEIGHED * mass.value)
+        parted = evolve(load.model, sums=(*model.sums, together)) if mass.fixed else load.model
+        turning = self._rocking(parted, body.name, sensors, duration(motion))
         starts = [
             {**turns, **_parted(load, share * mass.value, next(iter(turns.values()))), **_lighter(lighter, share)}
             for turns in turning.starts

@@ -417,6 +417,14 @@ def struck_with_a_dashpot(model):
     return with_joint(model, Joint("touch", ("wall", "rear"), "damped_stop", contact))
 
 
+def met_by_a_member(model):
+    """Whose force rises from where it yields to where it densifies."""
+    numbers = fixed(final_stiffness=3e5, unloading_stiffness=6e5, clearance=0.75)
+    corners = {"deformation": (0.03, 0.2), "force": (8e3, 2e4)}
+    numbers |= {name: tuple(Parameter(value, fixed=True) for value in values) for name, values in corners.items()}
+    return with_joint(model, Joint("touch", ("wall", "rear"), "piecewise_affine", numbers))
+
+
 def rubbing_contact(model):
     """Of what the contact takes, less comes back."""
     contact = fixed(force=2e4, stop_deformation=0.9, exponent=1.5, way=0.1, friction_share=0.4, slip_rate=0.1)
@@ -749,6 +757,10 @@ CASES = {
     struck_with_a_dashpot: (
         ("missing_contact", "with a dashpot", {"bodies": ["wall", "rear"]}),
         {"stiffness": 8e4, "stop_deformation": 0.9, "damping": 4e3},
+    ),
+    met_by_a_member: (
+        ("missing_contact", "member, rising", {"bodies": ["wall", "rear"]}),
+        {"clearance": 0.75, "force[0]": 8e3, "force[1]": 2e4, "deformation[1]": 0.2},
     ),
     absorbing: (("viscous_damping", "two-way", {"joint": "second"}), {"damping": 4e3, "rebound": 0.35}),
     cushioned: (("viscous_damping", "linear, only pushing", {"joint": "second"}), {"damping": 6e3}),
