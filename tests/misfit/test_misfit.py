@@ -12,7 +12,7 @@ from crashkit.misfit import predictor
 from crashkit.misfit.channel import reweighted
 from crashkit.misfit.predictor import instrument_errors
 from crashkit.misfit.variables import NO_PRIOR, Prior, SearchVariables
-from crashkit.model import Body, Joint, Parameter
+from crashkit.model import Body, Joint, KnownSum, Parameter
 from crashkit.model.edit import with_body, with_joint
 from crashkit.testing import toys
 
@@ -453,3 +453,32 @@ def test_an_error_of_one_axis_is_that_of_a_sensor_which_has_no_other(misfit, mod
         assert np.array_equal(whole, x)
         assert not np.array_equal(whole, y)
     assert np.abs(left["front_sensor/y"][0]).max() < 1e-6
+
+
+PARTS = ("joint.first.crush_force", "joint.first.elastic_stiffness")
+
+
+@pytest.mark.parametrize("free", [PARTS, PARTS[:1]])
+def test_a_sum_that_is_known_pulls_its_numbers_to_it_of_which_some_may_be_fixed(misfit, model, recorded, free):
+    parts = {path: evolve(model.parameters()[path], fixed=path not in free) for path in PARTS}
+    force, stiffness = (part.value for part in parts.values())
+    together = KnownSum(PARTS, 1.2 * force + stiffness, 0.1 * force)
+    known = evolve(model.with_parameters(parts), sums=(together,))
+    own, plain = (misfit(one, run=recorded(model)) for one in (known, evolve(known, sums=())))
+    point = own.start()
+    assert departure(own, point) == pytest.approx(4.0)
+    gained = own.deviance(own.residual(point)) - plain.deviance(plain.residual(point))
+    assert gained == pytest.approx(4.0)
+    assert not own.is_strained(point)
+    reached = own.with_values({PARTS[0]: 1.2 * force})
+    assert departure(reached, reached.start()) == pytest.approx(0.0, abs=1e-9)
+    far = own.with_values({PARTS[0]: 0.8 * force})
+    assert far.is_strained(far.start())
+    assert_jacobian(reached, 1e-6, 2e-5)
+
+
+def test_a_sum_of_numbers_that_are_all_fixed_says_nothing(misfit, model, recorded):
+    fixed = {path: evolve(model.parameters()[path], fixed=True) for path in PARTS}
+    known = evolve(model.with_parameters(fixed), sums=(KnownSum(PARTS, 1e3, 0.1),))
+    own = misfit(known, run=recorded(model))
+    assert departure(own, own.start()) == 0.0

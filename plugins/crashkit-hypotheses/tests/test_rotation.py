@@ -83,7 +83,10 @@ def test_a_claim_moves_as_a_body_that_pitches_and_its_marker_reads_what_that_sho
 
 def test_the_mass_that_was_weighed_is_shared_by_the_body_and_the_rest_of_it(body_on_a_spring):
     run = Simulator(body_on_a_spring, load().spring_laws, None).run(TIMES)
-    for start in claims(body_on_a_spring, [run], "body")[ACTING_BACK].starts:
+    claim = claims(body_on_a_spring, [run], "body")[ACTING_BACK]
+    (together,) = claim.model.sums
+    assert (set(together.paths), together.total) == ({"body.body.mass", "body.body_load.mass"}, MASS)
+    for start in claim.starts:
         rest = start["body.body_load.mass"]
         assert start["body.body.mass"] + rest == pytest.approx(MASS)
         swings = math.sqrt(start["joint.body_load_tie.stiffness"] / rest) / (2.0 * math.pi)
@@ -94,7 +97,7 @@ def test_a_mass_that_is_identified_anyway_is_no_number_of_the_claim(toy_runs):
     model = toys.two_degrees()
     claim = claims(model, toy_runs, "rear")[ACTING_BACK]
     assert not model.parameters()["body.rear.mass"].fixed
-    assert "body.rear.mass" not in claim.parameters
+    assert "body.rear.mass" not in claim.parameters and not claim.model.sums
     assert claim.model.parameters()["body.rear.mass"] == model.parameters()["body.rear.mass"]
 
 
