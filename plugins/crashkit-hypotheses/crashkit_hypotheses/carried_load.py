@@ -47,9 +47,9 @@ class CarriedLoad(Hypothesis):
         return [*tied, *(p for body, mass in carriers for p in meets_obstacle(model, body, mass, recordings))]
 
 
-def swinging_load(model: Model, body: Body, motion: Sequence[xr.Dataset]) -> Proposal:
-    """A load on a spring and a dashpot; its numbers are mass, stiffness and damping."""
-    return _tied(Carrier(model, body, body.mass.value, *stop_of(motion, body.name)))
+def swinging_load(model: Model, body: Body, mass: float, motion: Sequence[xr.Dataset]) -> Proposal:
+    """A load on a body of this mass, by a spring and a dashpot; its numbers are mass, stiffness and damping."""
+    return _tied(Carrier(model, body, mass, *stop_of(motion, body.name)))
 
 
 @frozen

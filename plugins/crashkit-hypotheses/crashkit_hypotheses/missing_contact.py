@@ -9,7 +9,7 @@ from attrs import evolve
 
 from crashkit.model import Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
-from crashkit_hypotheses.build import Effect, between, grid
+from crashkit_hypotheses.build import Effect, Table, between, grid
 from crashkit_hypotheses.sizes import approaching
 
 LINE = (0.1, 0.4, 0.6, 0.8, 0.93)
@@ -24,8 +24,6 @@ RUBBING = {"friction_share": Parameter(0.3, 0.0, 1.0), "slip_rate": Parameter(0.
 """Of one that gives back less than it took, each time."""
 RELEASE = 5.0
 """Its slope on the way back, relative to that on the way in, to start from."""
-
-
 LEVELS, CORNERS = (0.1, 0.4), (0.1, 0.7)
 """Of the force of a member, relative to the largest in a model's own, and of where it begins to yield and to stiffen, relative
 to the approach, to start from."""
@@ -93,32 +91,55 @@ class MissingContact(Hypothesis):
         Arguments:
             force: N, the largest in the model's own joints.
         """
-        slope = Parameter(5.0 * force / reached, 1e-3 * force / reached, 1e4 * force / reached)
-        gap_and_release = {
-            "unloading_stiffness": evolve(slope, value=20.0 * force / reached),
-            "clearance": Parameter(0.3 * reached, 0.0, reached),
-        }
-        held, gaps = Parameter(0.3 * force, 1e-4 * force, 10.0 * force), [share * reached for share in LINE[:4]]
-        plateau = {
-            "elastic_stiffness": slope,
-            "crush_force": held,
-            "densification_deformation": Parameter(0.7 * reached, 1e-3 * reached, 10.0 * reached),
-            "densification_stiffness": slope,
-        }
-        rising = {
-            "force": (held, held),
-            "deformation": tuple(Parameter(way * reached, 1e-3 * reached, 10.0 * reached) for way in CORNERS),
-            "final_stiffness": slope,
-        }
-        level = grid(clearance=gaps, crush_force=[share * force for share in LEVELS])
-        sloping = [
-            {"clearance": gap, "force[0]": share * force, "force[1]": 2.0 * share * force} for gap in gaps for share in LEVELS
-        ]
-        effects = (
-            Effect(self.physics, "member", "crush_plateau", plateau | gap_and_release, "crush_force", level, null=None),
-            Effect(self.physics, "member, rising", "piecewise_affine", rising | gap_and_release, "force", sloping, null=None),
-        )
+        effects = (_plateau(self.physics, reached, force), _rising(self.physics, reached, force))
         return [evolve(between(model, pair, effect), refined=True) for effect in effects]
+
+
+def _plateau(physics: str, reached: float, force: float) -> Effect:
+    slope = _slope(reached, force)
+    numbers: Table = {
+        "elastic_stiffness": slope,
+        "crush_force": _level(force),
+        "densification_deformation": _way(CORNERS[1], reached),
+        "densification_stiffness": slope,
+        **_ends(reached, force),
+    }
+    starts = grid(clearance=_gaps(reached), crush_force=[share * force for share in LEVELS])
+    return Effect(physics, "member", "crush_plateau", numbers, "crush_force", starts, null=None)
+
+
+def _rising(physics: str, reached: float, force: float) -> Effect:
+    numbers: Table = {
+        "force": (_level(force),) * 2,
+        "deformation": tuple(_way(corner, reached) for corner in CORNERS),
+        "final_stiffness": _slope(reached, force),
+        **_ends(reached, force),
+    }
+    levels = [{"force[0]": share * force, "force[1]": 2.0 * share * force} for share in LEVELS]
+    starts = [{"clearance": gap, **level} for gap in _gaps(reached) for level in levels]
+    return Effect(physics, "member, rising", "piecewise_affine", numbers, "force", starts, null=None)
+
+
+def _ends(reached: float, force: float) -> dict[str, Parameter]:
+    """Where a member begins, and how steeply it lets go."""
+    steep = evolve(_slope(reached, force), value=20.0 * force / reached)
+    return {"unloading_stiffness": steep, "clearance": Parameter(0.3 * reached, 0.0, reached)}
+
+
+def _slope(reached: float, force: float) -> Parameter:
+    return Parameter(5.0 * force / reached, 1e-3 * force / reached, 1e4 * force / reached)
+
+
+def _level(force: float) -> Parameter:
+    return Parameter(0.3 * force, 1e-4 * force, 10.0 * force)
+
+
+def _way(share: float, reached: float) -> Parameter:
+    return Parameter(share * reached, 1e-3 * reached, 10.0 * reached)
+
+
+def _gaps(reached: float) -> list[float]:
+    return [share * reached for share in LINE[:4]]
 
 
 def _gap(reached: float) -> dict[str, Parameter]:

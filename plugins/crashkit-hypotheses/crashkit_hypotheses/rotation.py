@@ -38,7 +38,7 @@ class Rotation(Hypothesis):
 
     def propose(self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree]) -> list[Proposal]:
         """Every body that moves and carries sensors, except in space, where bodies turn about every axis; held at its centre
-        of mass, or off that if it is no load."""
+        of mass, or off that if forces move it and it is no load."""
         if len(model.axes) == 3:
             return []
         known = model.parameters()
@@ -46,7 +46,7 @@ class Rotation(Hypothesis):
         new = [sensor for sensor in sensors if sensor.axis in ("", *sensor.axes) and sensor.prefix + ERRORS[0] not in known]
         riders = [(body, [sensor for sensor in new if sensor.body == body.name]) for body in model.bodies if not body.fixed]
         seen = [(body, own) for body, own in riders if own]
-        held = [(body, own) for body, own in seen if not body.carrier]
+        held = [(body, own) for body, own in seen if body.is_free and not body.carrier]
         return [
             *(self._rocking(model, body.name, own, duration(motion)) for body, own in seen),
             *(self._acting_back(model, body, own, motion) for body, own in held),
@@ -80,7 +80,7 @@ class Rotation(Hypothesis):
         path = f"body.{body.name}.mass"
         mass = model.parameters()[path]
         lighter = {path: Parameter(mass.value, LEAST * mass.value, mass.value)} if mass.fixed else {}
-        load = swinging_load(model.with_parameters(lighter), body, motion)
+        load = swinging_load(model.with_parameters(lighter), body, mass.value, motion)
         together = KnownSum((path, load.parameters[0]), mass.value, WEIGHED * mass.value)
         parted = evolve(load.model, sums=(*model.sums, together)) if mass.fixed else load.model
         turning = self._rocking(parted, body.name, sensors, duration(motion))
