@@ -24,9 +24,11 @@ RUBBING = {"friction_share": Parameter(0.3, 0.0, 1.0), "slip_rate": Parameter(0.
 """Of one that gives back less than it took, each time."""
 RELEASE = 5.0
 """Its slope on the way back, relative to that on the way in, to start from."""
-LEVELS, CORNERS = (0.1, 0.4), (0.1, 0.7)
-"""Of the force of a member, relative to the largest in a model's own, and of where it begins to yield and to stiffen, relative
-to the approach, to start from."""
+LEVELS = (0.1, 0.4)
+"""Forces of a member to start from, relative to the largest in a model's own."""
+DENSE, CORNERS = 0.7, (0.03, 0.3)
+"""Where a plateau ends, and where a rising member yields and stiffens, to start from, relative to the approach: in a search
+numbers of a list go not quite half way to their neighbours."""
 
 
 class MissingContact(Hypothesis):
@@ -100,7 +102,7 @@ def _plateau(physics: str, reached: float, force: float) -> Effect:
     numbers: Table = {
         "elastic_stiffness": slope,
         "crush_force": _level(force),
-        "densification_deformation": _way(CORNERS[1], reached),
+        "densification_deformation": _way(DENSE, reached),
         "densification_stiffness": slope,
         **_ends(reached, force),
     }

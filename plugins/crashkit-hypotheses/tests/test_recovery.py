@@ -420,7 +420,7 @@ def struck_with_a_dashpot(model):
 def met_by_a_member(model):
     """Whose force rises from where it yields to where it densifies."""
     numbers = fixed(final_stiffness=3e5, unloading_stiffness=6e5, clearance=0.75)
-    corners = {"deformation": (0.03, 0.2), "force": (8e3, 2e4)}
+    corners = {"deformation": (0.08, 0.25), "force": (4e4, 6e4)}
     numbers |= {name: tuple(Parameter(value, fixed=True) for value in values) for name, values in corners.items()}
     return with_joint(model, Joint("touch", ("wall", "rear"), "piecewise_affine", numbers))
 
@@ -760,7 +760,7 @@ CASES = {
     ),
     met_by_a_member: (
         ("missing_contact", "member, rising", {"bodies": ["wall", "rear"]}),
-        {"clearance": 0.75, "force[0]": 8e3, "force[1]": 2e4, "deformation[1]": 0.2},
+        {"clearance": 0.75, "force[0]": 4e4, "force[1]": 6e4, "deformation[0]": 0.08, "deformation[1]": 0.25},
     ),
     absorbing: (("viscous_damping", "two-way", {"joint": "second"}), {"damping": 4e3, "rebound": 0.35}),
     cushioned: (("viscous_damping", "linear, only pushing", {"joint": "second"}), {"damping": 6e3}),
