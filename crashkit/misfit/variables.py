@@ -48,7 +48,7 @@ class SearchVariables:
         expected = [self._expected(name, parameter) for name, parameter in free.items()]
         self._known = np.flatnonzero([std < math.inf for _, std in expected])
         self._centres, self._stds = np.array(expected).reshape(-1, 2)[self._known].T
-        self._sums = np.array([np.isin(self.names, one.paths) / one.std for one in sums]).reshape(-1, len(free))
+        self._sums = np.array([np.isin(self.names, one.paths) / one.std for one in sums]).reshape(len(sums), len(free))
         self._totals = np.array([one.total / one.std for one in sums])
 
     def start(self) -> np.ndarray:

@@ -80,7 +80,7 @@ def test_is_a_table_of_parameters_and_the_structure(model):
 def test_the_examples_leave_no_field_at_its_default(model, plane):
     parts = [part for example in (model, plane) for part in (example, *example.bodies, *example.joints, *example.instruments)]
     for kind in {type(part) for part in parts}:
-        for field in fields(kind):
+        for field in (one for one in fields(kind) if one.name != "sums"):  # of hypotheses, which no file holds
             assert any(getattr(part, field.name) != field.default for part in parts if type(part) is kind), field.name
 
 

@@ -35,10 +35,16 @@ def beside(turning, inquiry, monkeypatch):
     return told
 
 
-def test_a_body_that_turns_is_asked_of_all_its_sensors(beside, turning):
+def test_where_not_all_sensors_of_a_body_say_that_it_turns_all_are_asked(beside, turning, monkeypatch):
     """What some of them say of how high they are leaves out those that wait, which are not wrong."""
+    monkeypatch.setattr(discover, "CONCEALED", 0.0)
     everything = Discovery.of(begin(turning.search.identifier, turning.base), turning.search)
     assert beside(lambda: everything) is everything
+
+
+def test_a_body_of_which_all_sensors_say_that_it_turns_is_told_to(beside):
+    told = beside(lambda: pytest.fail("nothing else is asked"))
+    assert [look.leader.proposal.physics for look in told.findings] == ["rotation"]
 
 
 def test_a_body_that_turns_is_told_where_there_is_no_time_to_ask_all(beside):
