@@ -1,4 +1,4 @@
-"""Named causes that act as an estimated force does, begun at the numbers that the model has beside that."""
+"""Claims that act as an estimated force does, begun at the numbers that the model has beside that."""
 
 from collections.abc import Callable
 from functools import partial

@@ -8,7 +8,15 @@ from scipy.special import softmax
 from crashkit.diagnose.claims import identity, propose_all
 from crashkit.diagnose.fitting.candidates import Candidate, begin_candidates
 from crashkit.diagnose.fitting.contest import heats
-from crashkit.diagnose.fitting.evidence import Rival, best_forms, by_evidence, is_unknown, ranked_by_evidence, rival_of
+from crashkit.diagnose.fitting.evidence import (
+    IN_TIME,
+    Rival,
+    best_forms,
+    by_evidence,
+    is_unknown,
+    ranked_by_evidence,
+    rival_of,
+)
 from crashkit.diagnose.fitting.rebuild import rebuild
 from crashkit.diagnose.fitting.search import Search, begin
 from crashkit.diagnose.name.follow import Discovery
@@ -19,8 +27,6 @@ from crashkit.diagnose.result import own_name
 from crashkit.diagnose.workshop import Workshop
 from crashkit.model import Model
 
-TIME = "time"
-"""Of an estimated force, what it depends on where it may have a twin: one of the motion is another at another place."""
 HEATS = ((30, 6), (3, 40))
 """How many enter each, and how many steps each gets there."""
 ALIKE = 1.5, 1.0
@@ -46,7 +52,7 @@ def _beside_twins(workshop: Workshop, discovery: Discovery, look: Look) -> Look:
     """The look with twins, which are weighed as the finding is now: what stands beside it may have got a better form."""
     winner = evolve(look.leader, search=discovery.search)
     if is_unknown(winner):
-        if winner.proposal.estimate_of != TIME:
+        if winner.proposal.estimate_of != IN_TIME:  # one of the motion is another at another place
             return look
         # Beside known laws an estimate counts less than it explains, and its twins are weighed beside none.
         winner = rival_of(winner.proposal, winner.search, winner.without)

@@ -16,7 +16,7 @@ from crashkit_hypotheses.sensors import Sensor, sensors_with
 from crashkit_hypotheses.sizes import braked_axis, duration
 
 LEAST = 0.3
-"""Of the mass of a body, that moves at once where it is held."""
+"""Of the mass of a body, how much of it moves at once where it is held, at least."""
 WEIGHED = 1e-3
 """Of that mass, how well it is kept: what else acts beside the turning makes up for nothing by it."""
 SHARES = (0.05, 0.2)
@@ -83,10 +83,11 @@ class Rotation(Hypothesis):
         load = swinging_load(model.with_parameters(lighter), body, mass.value, motion)
         together = KnownSum((path, load.parameters[0]), mass.value, WEIGHED * mass.value)
         parted = evolve(load.model, sums=(*model.sums, together)) if mass.fixed else load.model
-        turning = self._rocking(parted, body.name, sensors, duration(motion))
+        longest = duration(motion)
+        turning = self._rocking(parted, body.name, sensors, longest)
         starts = [
-            {**turns, **_parted(load, share * mass.value, next(iter(turns.values()))), **_lighter(lighter, share)}
-            for turns in turning.starts
+            {**start, **_parted(load, share * mass.value, turns / longest), **_lighter(lighter, share)}
+            for turns, start in zip(TURNS, turning.starts, strict=True)
             for share in SHARES
         ]
         paths = (*turning.parameters, *lighter, *load.parameters)
