@@ -138,9 +138,10 @@ def _pass(samples: np.ndarray, wa: float, start: np.ndarray, first: int, end: in
     next_one = (1.0 - a) * start
     next_two = (a + b2) * start
     for row in range(first, end, step):
-        for channel in range(samples.shape[1]):
-            value = samples[row, channel]
+        now = samples[row]  # a row by itself is vectorised
+        for channel in range(now.size):
+            value = now[channel]
             filtered = a * value + next_one[channel]
             next_one[channel] = 2.0 * a * value + b1 * filtered + next_two[channel]
             next_two[channel] = a * value + b2 * filtered
-            samples[row, channel] = filtered
+            now[channel] = filtered

@@ -139,7 +139,8 @@ def _integrate(
         simulator.engine.module.integrate_many(
             times.copy(), times.copy(), step, bodies[part].copy(), joints[part].copy(), work.functions,
             layout.parameters[part].copy(), work.given.copy(), starts[part].copy(), work.state, work.columns, work.partials,
-            work.tangent, work.joint_tangent, work.net_tangent, own[0], empty.tangents.copy(), NO_HISTORY.copy(), own[1],
+            work.tangent, work.joint_tangent, work.net_tangent, own[0], empty.tangents.copy(), empty.slots.copy(),
+            NO_HISTORY.copy(), own[1],
         )  # fmt: skip
         records[part], ends[part] = own
 

@@ -1,6 +1,6 @@
 """One run: parameter values, initial state and columns of sensitivities, filled into the arrays of the kernel."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -10,7 +10,20 @@ from attrs import evolve
 from scipy.spatial.transform import Rotation
 
 from crashkit.mechanics.engine import Engine
-from crashkit.mechanics.kernel.arrays import BODY, FORCES, FUNCTION, JOINT, REST, STAGES, START, Floats, Record, Records, Work
+from crashkit.mechanics.kernel.arrays import (
+    BODY,
+    FORCES,
+    FUNCTION,
+    JOINT,
+    NONE,
+    REST,
+    STAGES,
+    START,
+    Floats,
+    Record,
+    Records,
+    Work,
+)
 from crashkit.mechanics.layout import DOF, Layout, memory_rate
 
 ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
@@ -103,12 +116,16 @@ def work_of(layout: Layout, engine: Engine, paths: Sequence[str]) -> Work:
     return work
 
 
-def record_of(work: Work, axes: int, times: int) -> Record:
-    """Room for the results."""
+def record_of(work: Work, axes: int, times: int, wanted: Collection[int] | None = None) -> Record:
+    """Room for the results: for these entries, by default for all."""
     _, entries, columns = work.tangent.shape
     entries += 3 * work.joints.size + DOF[axes] * work.bodies.size
     turns = 4 * work.bodies.size if axes == 3 else 0
-    return Record(np.empty((times, entries + turns)), np.empty((times if columns else 0, entries, columns)))
+    asked = np.arange(entries + turns) if wanted is None else np.array(sorted(wanted), dtype=int)
+    slots = np.full(entries + turns, NONE)
+    slots[asked] = np.arange(asked.size)
+    tangents = np.empty((times if columns else 0, np.count_nonzero(asked < entries), columns))
+    return Record(np.empty((times, asked.size)), tangents, slots)
 
 
 def bodies_of(layout: Layout) -> Records:

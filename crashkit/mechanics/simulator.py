@@ -146,7 +146,8 @@ class Simulator:
         if instants is times:
             return record
         asked = np.searchsorted(instants, times)
-        return Record(*(array[asked] if array.shape[0] else array for array in record))
+        tangents = record.tangents[asked] if sensitivities else record.tangents
+        return Record(record.values[asked], tangents, record.slots)
 
     def adjoint(
         self,

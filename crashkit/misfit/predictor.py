@@ -8,7 +8,7 @@ import xarray as xr
 from attrs import frozen
 
 from crashkit.mechanics import Simulator
-from crashkit.mechanics.kernel.arrays import Floats, Record
+from crashkit.mechanics.kernel.arrays import Floats, Integers, Record
 from crashkit.mechanics.repeated_run import RepeatedRun
 from crashkit.misfit.channel import Channel, Group
 from crashkit.misfit.observed import predicted_by, values_of
@@ -104,22 +104,36 @@ class Predictor:
         """Made for the first prediction: many models are never asked for one."""
         return {
             run: RepeatedRun(
-                self.simulator, times, self._structural, self._fixed, self._initial[run], self.step, self._steps_end_at_all
+                self.simulator, times, self._structural, self._fixed, self._initial[run], self.step, self._steps_end_at_all,
+                self._wanted[run],
             )
             for run, times in self._times.items()
-        }
+        }  # fmt: skip
 
     @property
     def _steps_end_at_all(self) -> bool:
         """Whether steps end at every instant: only there the orientations of bodies in space are known."""
-        return len(self.model.axes) == 3 and None in self._readouts
+        return len(self.model.axes) == 3 and None in self._full_readouts
 
     @cached_property
     def _readouts(self) -> list[Readout | TurningReadout | None]:
-        """What is read without a Dataset."""
+        """What is read without a Dataset, of a record that holds no more than is wanted."""
+        wanted = [self._wanted[group.run] for group in self.groups]
+        pairs = zip(self._full_readouts, wanted, strict=True)
+        return [readout if readout is None or of is None else readout.within(of) for readout, of in pairs]
+
+    @cached_property
+    def _wanted(self) -> dict[str, Integers | None]:
+        """The entries of each run's record that something reads; None where a Dataset takes all."""
+        runs = [group.run for group in self.groups]
+        return {run: _read_of([r for r, own in zip(self._full_readouts, runs, strict=True) if own == run]) for run in runs}
+
+    @cached_property
+    def _full_readouts(self) -> list[Readout | TurningReadout | None]:
+        """What is read without a Dataset, of a record of all entries."""
         axes = set(self.model.axes)
         return [
-            readout_of(group, self.simulator, self._times[group.run], len(axes) > 1, SAME_INSTANT)
+            readout_of(group, self.simulator, self._times[group.run], len(axes) > 1, SAME_INSTANT, group.name in self._wrong)
             if knows_what_is_shown(group, self._wrong.get(group.name, ()), axes)
             else None
             for group in self.groups
@@ -207,6 +221,12 @@ def initial_state(recording: xr.DataTree, model: Model) -> xr.Dataset | None:
     variables = {name: variable.isel(body=rows) for name, variable in state.variables.items() if "body" in variable.dims}
     coords = xr.Coordinates({"axis": state.variables["axis"], "body": names}, indexes={})  # building those takes longer
     return xr.Dataset({name: variable for name, variable in variables.items() if name != "body"}, coords)
+
+
+def _read_of(readouts: Sequence[Readout | TurningReadout | None]) -> Integers | None:
+    """The entries that these read, in order; None where one is unknown."""
+    known = [readout for readout in readouts if readout is not None]
+    return np.array(sorted(set().union(*(one.wanted for one in known)))) if len(known) == len(readouts) else None
 
 
 def _moved(model: Model, compiled: Model) -> dict[str, float]:

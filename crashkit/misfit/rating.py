@@ -5,6 +5,7 @@ import math
 import numpy as np
 from attrs import frozen
 from numba import njit
+from scipy.fft import irfft, next_fast_len, rfft
 
 INTERVAL = 1e-4  # s: the standard rates curves at 10 kHz
 LARGEST_SHIFT = 0.2  # of the curve's length
@@ -12,6 +13,7 @@ WARPING_WINDOW = 0.1  # of the curve's length
 INNER_CORRIDOR, OUTER_CORRIDOR = 0.05, 0.5  # of the largest absolute value of the reference
 LARGEST_MAGNITUDE_ERROR = 0.5
 LARGEST_SLOPE_ERROR = 2.0
+ROUNDING = 1e-6  # of a correlation by Fourier transform
 SHORTEST = 12  # samples: with fewer the slope's nine-point average does not fit into a shifted curve
 
 
@@ -108,20 +110,36 @@ def _smoothed(slope: np.ndarray) -> np.ndarray:
     return smooth
 
 
-@njit(cache=True)
 def _best_shift(reference: np.ndarray, simulated: np.ndarray, limit: int) -> int:
     """The shift of highest correlation in samples; the smallest of several, to earlier times first."""
-    best, highest = 0, _correlation(reference, simulated)
-    for shift in range(1, limit + 1):
-        for signed in (shift, -shift):
-            if signed > 0:
-                correlation = _correlation(reference[:-shift], simulated[shift:])
-            else:
-                correlation = _correlation(reference[shift:], simulated[:-shift])
-            # Beyond rounding, so that straight lines, which correlate perfectly at any shift, are not shifted.
-            if correlation > highest + 1e-12:
-                best, highest = signed, correlation
+    shifts = np.array([0, *(signed for shift in range(1, limit + 1) for signed in (shift, -shift))])
+    roughly = _correlations(reference, simulated, shifts)
+    best, highest = 0, -math.inf
+    for shift in shifts[roughly >= roughly.max() - ROUNDING].tolist():
+        correlation = _correlation(*_shifted(reference, simulated, shift))
+        # Beyond rounding, so that straight lines, which correlate perfectly at any shift, are not shifted.
+        if correlation > highest + 1e-12:
+            best, highest = shift, correlation
     return best
+
+
+def _correlations(x: np.ndarray, y: np.ndarray, shifts: np.ndarray) -> np.ndarray:
+    """Pearson's coefficient of the overlap at every shift, but for rounding: by Fourier transform."""
+    x, y, size = x - x.mean(), y - y.mean(), next_fast_len(2 * len(x), real=True)
+    products = irfft(rfft(y, size) * rfft(x, size).conj(), size)[shifts]
+    count = len(x) - np.abs(shifts)
+    sum_x, square_x = (_sums(x**power, np.maximum(-shifts, 0), count) for power in (1, 2))
+    sum_y, square_y = (_sums(y**power, np.maximum(shifts, 0), count) for power in (1, 2))
+    spread = np.maximum((square_x - sum_x**2 / count) * (square_y - sum_y**2 / count), 0.0)
+    found = np.full(len(shifts), -1.0)
+    return np.divide(products - sum_x * sum_y / count, np.sqrt(spread), out=found, where=spread > 0.0)
+
+
+def _sums(values: np.ndarray, start: np.ndarray, count: np.ndarray) -> np.ndarray:
+    """Of so many values from each start."""
+    sums = np.concatenate([[0.0], np.cumsum(values)])
+    total: np.ndarray = sums[start + count] - sums[start]
+    return total
 
 
 @njit(cache=True)
@@ -141,24 +159,25 @@ def _correlation(x: np.ndarray, y: np.ndarray) -> float:
 def _warped_error(reference: np.ndarray, simulated: np.ndarray, window: int) -> tuple[float, float]:
     """Sums of |simulated - reference| and of |reference| along the path of dynamic time warping.
 
-    Both sums travel with the cheapest path, so that two rows of the cost matrix are enough; column 0 is a border.
+    Both sums travel with the cheapest path, so that one row of the cost matrix is enough; column 0 is a border.
     """
     count = len(reference)
-    cost = np.full((2, count + 1), np.inf)
-    error, size = np.zeros((2, count + 1)), np.zeros((2, count + 1))
-    cost[1, 0] = 0.0
+    cost, error, size = np.full(count + 1, np.inf), np.zeros(count + 1), np.zeros(count + 1)
+    cost[0] = 0.0
     for i in range(count):
-        row, above = i % 2, (i + 1) % 2
-        cost[row] = np.inf
-        for j in range(max(0, i - window), min(count, i + window + 1)):
-            previous, column = above, j + 1
-            if cost[row, j] < cost[previous, column]:
-                previous, column = row, j
-            if cost[above, j] < cost[previous, column]:
-                previous, column = above, j
+        first, end = max(0, i - window), min(count, i + window + 1)
+        across_cost, across_error, across_size = cost[first], error[first], size[first]
+        left_cost, left_error, left_size = np.inf, 0.0, 0.0
+        cost[first] = np.inf
+        for j in range(first, end):
+            above_cost, above_error, above_size = cost[j + 1], error[j + 1], size[j + 1]
+            least, so_far, sized = above_cost, above_error, above_size
+            if left_cost < least:
+                least, so_far, sized = left_cost, left_error, left_size
+            if across_cost < least:
+                least, so_far, sized = across_cost, across_error, across_size
             difference = abs(simulated[i] - reference[j])
-            cost[row, j + 1] = cost[previous, column] + difference**2
-            error[row, j + 1] = error[previous, column] + difference
-            size[row, j + 1] = size[previous, column] + abs(reference[j])
-    last = (count - 1) % 2
-    return error[last, count], size[last, count]
+            left_cost, left_error, left_size = least + difference**2, so_far + difference, sized + abs(reference[j])
+            cost[j + 1], error[j + 1], size[j + 1] = left_cost, left_error, left_size
+            across_cost, across_error, across_size = above_cost, above_error, above_size
+    return error[count], size[count]

@@ -4,7 +4,7 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
-from attrs import frozen
+from attrs import evolve, frozen
 
 from crashkit.data.channel_filter import ChannelFilter, frequency_class
 from crashkit.mechanics import Simulator
@@ -21,7 +21,7 @@ class Readout:
 
     Arguments:
         rows: of the record, one for each time stamp, a slice where they are evenly spread; the first for those before contact.
-        entries: of the record, one for each channel.
+        entries: of the record, one for each channel; of a full one, or of one that holds what is `wanted`.
         unfelt: for each channel, what the entry counts that the instrument does not feel: other entries, and times what.
         rates: the entries of their rates, where the motion before contact changes them.
         early: (time stamp, 1) s, of those before contact.
@@ -43,6 +43,17 @@ class Readout:
     observer: PlainObserver
     instrument: xr.Dataset
     nodes: Floats
+
+    @property
+    def wanted(self) -> set[int]:
+        """The entries that it reads."""
+        return {*self.entries.tolist(), *self.rates.tolist()}.union(*self.unfelt)
+
+    def within(self, wanted: Integers) -> "Readout":
+        """The same of a record that holds these entries alone, in this order."""
+        entries, rates = (np.searchsorted(wanted, part) for part in (self.entries, self.rates))
+        unfelt = [{int(np.searchsorted(wanted, entry)): n for entry, n in part.items()} for part in self.unfelt]
+        return evolve(self, entries=entries, rates=rates, unfelt=unfelt)
 
     def samples(self, record: Record) -> Floats:
         """(time, channel)."""
@@ -97,7 +108,7 @@ def knows_what_is_shown(group: Group, wrong: Collection[str], axes: set[str]) ->
 
 
 def readout_of(
-    group: Group, simulator: Simulator, nodes: Floats, turning: bool, tolerance: float
+    group: Group, simulator: Simulator, nodes: Floats, turning: bool, tolerance: float, is_misread: bool
 ) -> Readout | TurningReadout | None:
     """The readout of a group; None where only its observer knows what it reads.
 
@@ -106,6 +117,7 @@ def readout_of(
         simulator: whose record is read.
         nodes: s, times of the record; they hold 0 and every later time stamp to within `tolerance`, s.
         turning: whether the bodies of the model may turn.
+        is_misread: whether it is asked what the instrument misreads.
     """
     if not isinstance(group.observer, PlainObserver):
         return None
@@ -121,7 +133,8 @@ def readout_of(
     entries = [entry_of(simulator, reading.quantity, body, axis) for body, axis in places]
     if None in entries:
         return None
-    rates = [entry_of(simulator, "velocity", body, axis) for body, axis in places] if reading.quantity == "position" else []
+    has_rates = reading.quantity == "position" and (is_misread or early.size > 0)
+    rates = [entry_of(simulator, "velocity", body, axis) for body, axis in places] if has_rates else []
     return Readout(
         rows=rows,
         entries=np.array(entries, int),

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
-from attrs import frozen
+from attrs import evolve, frozen
 
 from crashkit.data.channel_filter import ChannelFilter
 from crashkit.mechanics import Simulator
@@ -29,7 +29,7 @@ class TurningReadout:
         rows: of the record, one for each time stamp; the first for those before contact.
         early: (time stamp,) s, of those before contact.
         filter: of the channels, if they are filtered.
-        entries: by kind of motion (channel, 3), of the record: along both axes, and about their normal.
+        entries: by kind of motion (channel, 3), of the record: along both axes, and about their normal; as of `Readout`.
         along: (channel,) which axis of the model each shows.
         points: (channel, 2) m.
         own_axes: whether these axes turn with the body.
@@ -48,6 +48,15 @@ class TurningReadout:
     nodes: Floats
     observer: PlainObserver
     instrument: xr.Dataset
+
+    @property
+    def wanted(self) -> set[int]:
+        """The entries that it reads."""
+        return set(np.concatenate([entries.ravel() for entries in self.entries.values()]).tolist())
+
+    def within(self, wanted: Integers) -> "TurningReadout":
+        """The same of a record that holds these entries alone, in this order."""
+        return evolve(self, entries={kind: np.searchsorted(wanted, entries) for kind, entries in self.entries.items()})
 
     def samples(self, record: Record) -> Floats:
         """(time, channel)."""

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 import xarray as xr
 from attrs import evolve
 
+from crashkit.campaign import spread
 from crashkit.diagnose.fitting.evidence import FLOOR, Rival
 from crashkit.diagnose.fitting.leftover import leaves_something
 from crashkit.diagnose.fitting.rebuild import rebuild
@@ -25,6 +26,7 @@ from crashkit.diagnose.show.tables import identified_table, limits_table, rankin
 from crashkit.diagnose.show.words import far_off, noted, summarise
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
+from crashkit.misfit.predictor import Prediction
 from crashkit.model import Model
 from crashkit.protocols import Identification
 
@@ -87,7 +89,7 @@ def _compared(
     curves: dict[str, xr.Dataset] = {}
     for name, pair in sets.items():
         predictions = predict(pair[0]), predict(pair[1])
-        fits[name] = {when: fit_of(m, p) for when, m, p in zip(("before", "after"), pair, predictions, strict=True)}
+        fits[name] = dict(zip(("before", "after"), spread(_fit, list(zip(pair, predictions, strict=True))), strict=True))
         curves |= curves_of(pair[0], pair[1], predictions, holdout=name == "holdout")
     if unseen:
         expected, untold = expected_error(final, unseen[1], ROUGHLY)
@@ -95,6 +97,10 @@ def _compared(
         after = evolve(fits["holdout"]["after"], expected_rmse=expected, untold=untold, together_rmse=all_runs)
         fits["holdout"]["after"] = after
     return fits, xr.DataTree.from_dict(curves)
+
+
+def _fit(predicted: tuple[Misfit, list[Prediction]]) -> Fit:
+    return fit_of(*predicted)
 
 
 def _findings(

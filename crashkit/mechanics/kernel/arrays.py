@@ -130,10 +130,12 @@ class Record(NamedTuple):
     """What a run leaves behind, at the times asked for.
 
     Arguments:
-        values: (time, entry): y and its derivative; force, deformation and rate of each joint; force and moment of the
-            joints on each body; in space the unit quaternion of each body.
-        tangents: (time, entry, column) derivatives of all but the quaternions; no times where no columns are asked for.
+        values: (time, slot), the entries that are asked for.
+        tangents: (time, slot, column) derivatives of all but the quaternions; no times where no columns are asked for.
+        slots: where each entry stands, or -1. The entries are y and its derivative; force, deformation and rate of each
+            joint; force and moment of the joints on each body; in space the unit quaternion of each body.
     """
 
     values: Floats
     tangents: Floats
+    slots: Integers

@@ -20,6 +20,7 @@ from crashkit.mechanics.kernel.arrays import (
     DEFORMATION_BEFORE,
     END,
     FORCES,
+    NONE,
     RATE,
     RATE_BEFORE,
     START,
@@ -52,13 +53,15 @@ def force_within(s):
 
 
 @inlined
-def write_state_between(state, tangent, values, tangents, k, weights):
+def write_state_between(state, tangent, values, tangents, slots, k, weights):
     """The state and its derivative, each by its own weights."""
     size = state.shape[1] // 2
     for part in range(2):
         y_0, y_1, k_0, k_1 = weights[part]
         for i in range(size):
-            to = part * size + i
+            to = slots[part * size + i]
+            if to == NONE:
+                continue
             ends = y_0 * state[START, i] + y_1 * state[END, i]
             values[k, to] = ends + k_0 * state[START, size + i] + k_1 * state[END, size + i]
             for c in range(tangent.shape[2]):
@@ -67,18 +70,21 @@ def write_state_between(state, tangent, values, tangents, k, weights):
 
 
 @inlined
-def write_joint_between(joint, own, values, tangents, k, entry, shares, weights):
+def write_joint_between(joint, own, values, tangents, slots, k, entry, shares, weights):
     """Its force, and the cubic through its deformation and the rate of that, with its derivative."""
     f_0, f_1, f_3, f_4 = shares
-    forces = joint.forces
-    inner = f_1 * (forces[1] + forces[2]) + f_3 * forces[3]
-    values[k, entry] = f_0 * forces[START] + inner + f_4 * forces[END]
-    for c in range(own.shape[1]):
-        inner = f_1 * (own[FORCES + 1, c] + own[FORCES + 2, c]) + f_3 * own[FORCES + 3, c]
-        tangents[k, entry, c] = f_0 * own[FORCES + START, c] + inner + f_4 * own[FORCES + END, c]
+    forces, to = joint.forces, slots[entry]
+    if to != NONE:
+        inner = f_1 * (forces[1] + forces[2]) + f_3 * forces[3]
+        values[k, to] = f_0 * forces[START] + inner + f_4 * forces[END]
+        for c in range(own.shape[1]):
+            inner = f_1 * (own[FORCES + 1, c] + own[FORCES + 2, c]) + f_3 * own[FORCES + 3, c]
+            tangents[k, to, c] = f_0 * own[FORCES + START, c] + inner + f_4 * own[FORCES + END, c]
     for part in range(2):
         d_0, d_1, ddot_0, ddot_1 = weights[part]
-        to = entry + 1 + part
+        to = slots[entry + 1 + part]
+        if to == NONE:
+            continue
         values[k, to] = d_0 * joint.d_before + d_1 * joint.d + ddot_0 * joint.ddot_before + ddot_1 * joint.ddot
         for c in range(own.shape[1]):
             ends = d_0 * own[DEFORMATION_BEFORE, c] + d_1 * own[DEFORMATION, c]
@@ -86,27 +92,30 @@ def write_joint_between(joint, own, values, tangents, k, entry, shares, weights)
 
 
 @inlined
-def write_net_between(bodies, net_tangent, values, tangents, k, entry, shares):
+def write_net_between(bodies, net_tangent, values, tangents, slots, k, entry, shares):
     """The forces and moments of the joints on the bodies."""
     f_0, f_1, f_3, f_4 = shares
     for i in range(DOF * bodies.size):
-        net, axis = bodies[i // DOF].net, i % DOF
+        net, axis, to = bodies[i // DOF].net, i % DOF, slots[entry + i]
+        if to == NONE:
+            continue
         inner = f_1 * (net[1, axis] + net[2, axis]) + f_3 * net[3, axis]
-        values[k, entry + i] = f_0 * net[START, axis] + inner + f_4 * net[END, axis]
+        values[k, to] = f_0 * net[START, axis] + inner + f_4 * net[END, axis]
         for c in range(net_tangent.shape[2]):
             inner = f_1 * (net_tangent[1, i, c] + net_tangent[2, i, c]) + f_3 * net_tangent[3, i, c]
-            tangents[k, entry + i, c] = f_0 * net_tangent[START, i, c] + inner + f_4 * net_tangent[END, i, c]
+            tangents[k, to, c] = f_0 * net_tangent[START, i, c] + inner + f_4 * net_tangent[END, i, c]
 
 
 @compiled
-def write_between(bodies, joints, state, tangent, joint_tangent, net_tangent, values, tangents, k, s, h):
-    """The motion and the forces after a share of a step become entry k of the record; orientations in space are not known."""
+def write_between(bodies, joints, state, tangent, joint_tangent, net_tangent, values, tangents, slots, k, s, h):
+    """The motion and the forces after a share of a step become row k of the record; orientations in space are not known."""
     weights, shares = (cubic(s, h), slope_of_cubic(s, h)), force_within(s)
-    write_state_between(state, tangent, values, tangents, k, weights)
+    write_state_between(state, tangent, values, tangents, slots, k, weights)
     end = state.shape[1]
     for j in range(joints.size):
-        write_joint_between(joints[j], joint_tangent[j], values, tangents, k, end, shares, weights)
+        write_joint_between(joints[j], joint_tangent[j], values, tangents, slots, k, end, shares, weights)
         end += 3
-    write_net_between(bodies, net_tangent, values, tangents, k, end, shares)
-    for i in range(end + DOF * bodies.size, values.shape[1]):
-        values[k, i] = math.nan
+    write_net_between(bodies, net_tangent, values, tangents, slots, k, end, shares)
+    for i in range(end + DOF * bodies.size, slots.size):
+        if slots[i] != NONE:
+            values[k, slots[i]] = math.nan

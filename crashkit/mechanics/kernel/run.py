@@ -79,31 +79,34 @@ def meeting(joints):
     return NONE
 
 
+@inlined
+def note(value, slope, values, tangents, to, k):
+    """One entry of row k, and its derivatives, unless the record leaves it out."""
+    if to != NONE:
+        values[k, to] = value
+        for c in range(slope.size):
+            tangents[k, to, c] = slope[c]
+
+
 @compiled
-def write(bodies, joints, state, tangent, joint_tangent, net_tangent, values, tangents, k):
-    """The state at START becomes entry k of the record."""
+def write(bodies, joints, state, tangent, joint_tangent, net_tangent, values, tangents, slots, k):
+    """The state at START becomes row k of the record."""
     end = state.shape[1]
     for i in range(end):
-        values[k, i] = state[START, i]
-        for c in range(tangent.shape[2]):
-            tangents[k, i, c] = tangent[START, i, c]
+        note(state[START, i], tangent[START, i], values, tangents, slots[i], k)
     for j in range(joints.size):
-        values[k, end] = joints[j].forces[START]
-        values[k, end + 1] = joints[j].d
-        values[k, end + 2] = joints[j].ddot
-        for c in range(tangent.shape[2]):
-            tangents[k, end, c] = joint_tangent[j, FORCES + START, c]
-            tangents[k, end + 1, c] = joint_tangent[j, DEFORMATION, c]
-            tangents[k, end + 2, c] = joint_tangent[j, RATE, c]
+        joint, own = joints[j], joint_tangent[j]
+        note(joint.forces[START], own[FORCES + START], values, tangents, slots[end], k)
+        note(joint.d, own[DEFORMATION], values, tangents, slots[end + 1], k)
+        note(joint.ddot, own[RATE], values, tangents, slots[end + 2], k)
         end += 3
     for i in range(DOF * bodies.size):
-        values[k, end + i] = bodies[i // DOF].net[START, i % DOF]
-        for c in range(tangent.shape[2]):
-            tangents[k, end + i, c] = net_tangent[START, i, c]
+        note(bodies[i // DOF].net[START, i % DOF], net_tangent[START, i], values, tangents, slots[end + i], k)
     end += DOF * bodies.size
     if AXES == 3:
         for i in range(4 * bodies.size):
-            values[k, end + i] = bodies[i // 4].frame[9 + i % 4]
+            if slots[end + i] != NONE:
+                values[k, slots[end + i]] = bodies[i // 4].frame[9 + i % 4]
 
 
 @compiled
@@ -168,7 +171,7 @@ def pass_on(bodies, joints, joint_tangent, net_tangent):
 @compiled
 def take_step(
     times, k, step, bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent,
-    net_tangent, values, tangents, t, piece, h,
+    net_tangent, values, tangents, slots, t, piece, h,
 ):  # fmt: skip
     """The end of a step becomes the start of the next; returns the next of the times, after those that lie within it."""
     due, end = k, t + h - ROUNDED * step
@@ -185,7 +188,7 @@ def take_step(
             )  # fmt: skip
     while due < times.size and times[due] < end:
         write_between(
-            bodies, joints, state, tangent, joint_tangent, net_tangent, values, tangents, due, (times[due] - t) / h, h
+            bodies, joints, state, tangent, joint_tangent, net_tangent, values, tangents, slots, due, (times[due] - t) / h, h
         )
         due += 1
     for i in range(state.shape[1]):
@@ -200,7 +203,7 @@ def take_step(
 @compiled
 def integrate(
     times, stops, step, bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent,
-    net_tangent, values, tangents, history,
+    net_tangent, values, tangents, slots, history,
 ):  # fmt: skip
     """Run from t = 0 through `times`; returns how it ended, the joint concerned, the time and the number of steps.
 
@@ -228,7 +231,7 @@ def integrate(
         due = NONE
         if times[k] - t <= RESOLUTION * step:
             t, due = times[k], k
-            write(bodies, joints, state, tangent, joint_tangent, net_tangent, values, tangents, k)
+            write(bodies, joints, state, tangent, joint_tangent, net_tangent, values, tangents, slots, k)
             k += 1
         if history.shape[0] > 0:
             if s == history.shape[0]:
@@ -249,7 +252,7 @@ def integrate(
             return MEETING, met, t, s
         k = take_step(
             times, k, step, bodies, joints, functions, parameters, given, state, columns, partials, tangent, joint_tangent,
-            net_tangent, values, tangents, t, piece, h,
+            net_tangent, values, tangents, slots, t, piece, h,
         )  # fmt: skip
         t += h
         if t - since > step:
@@ -260,7 +263,7 @@ def integrate(
 @compiled
 def integrate_many(
     times, stops, step, bodies, joints, functions, parameters, given, starts, state, columns, partials, tangent, joint_tangent,
-    net_tangent, values, tangents, history, ends,
+    net_tangent, values, tangents, slots, history, ends,
 ):  # fmt: skip
     """Many runs of one model; `ends` (run, 3) is how each ended, the joint concerned and the time."""
     for r in range(bodies.shape[0]):
@@ -268,7 +271,7 @@ def integrate_many(
             state[START, i] = starts[r, i]
         status, culprit, t, s = integrate(
             times, stops, step, bodies[r], joints[r], functions, parameters[r], given, state, columns, partials, tangent,
-            joint_tangent, net_tangent, values[r], tangents, history,
+            joint_tangent, net_tangent, values[r], tangents, slots, history,
         )  # fmt: skip
         ends[r, 0] = status
         ends[r, 1] = culprit

@@ -8,8 +8,7 @@ from attrs import evolve
 
 from crashkit.mechanics import Simulator
 from crashkit.mechanics.kernel.arrays import Record
-from crashkit.mechanics.motion import quantities
-from crashkit.mechanics.repeated_run import RepeatedRun
+from crashkit.mechanics.repeated_run import FORCE, RepeatedRun, entry_of
 from crashkit.misfit import Misfit
 from crashkit.misfit.predictor import initial_state
 from crashkit_identifiers.measured import known, require_seen, weights
@@ -42,23 +41,22 @@ class PartlySeen:
         bodies = tuple(on_rails(model, body, motion) if body in seen else body for body in model.bodies)
         self._masses = [f"body.{body.name}.mass" for body in seen]
         self._paths = [path for path in misfit.names if not path.startswith("instrument.") and path not in self._masses]
-        self._rows, self._count = [model.bodies.index(body) for body in seen], (len(model.joints), len(bodies))
         self._gravity = model.gravity[0] if model.gravity else 0.0
         simulator = Simulator(evolve(model, bodies=bodies, instruments=()), laws_of(misfit), engine_of(misfit))
         initial = _initial(misfit, run, [body.name for body in bodies if body.is_free])
-        self._run = RepeatedRun(simulator, motion["time"].values, self._paths, None, initial, step)
+        pushed = [entry_of(simulator, FORCE, body.name, model.axes[0]) for body in seen]
+        wanted = [entry for entry in pushed if entry is not None]
+        self._run = RepeatedRun(simulator, motion["time"].values, self._paths, None, initial, step, wanted=wanted)
         self._measured = motion["acceleration"].values[:, :, 0]
         self._weight = weights(motion["acceleration_std"].values[:, :, 0])
 
     def residual(self, values: Mapping[str, float]) -> np.ndarray:
         """What the equations leave of the measured accelerations, over their noise."""
-        forces, masses = self._forces(self._record(values, False).values), self._masses_at(values)
-        return self._left(forces, masses).ravel()
+        return self._left(self._forces(values, False).values, self._masses_at(values)).ravel()
 
     def residual_and_jacobian(self, values: Mapping[str, float], names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
         """The same, and its derivatives."""
-        record, masses = self._record(values, True), self._masses_at(values)
-        forces, slopes = self._forces(record.values), self._forces(record.tangents)
+        (forces, slopes, _), masses = self._forces(values, True), self._masses_at(values)
         residual = self._left(forces, masses)
         jacobian = np.zeros((*residual.shape, len(names)))
         jacobian[..., [names.index(path) for path in self._paths]] = -slopes / masses[:, None] * self._weight[:, None]
@@ -67,13 +65,9 @@ class PartlySeen:
                 jacobian[:, row, names.index(path)] = forces[:, row] / masses[row] ** 2 * self._weight[row]
         return residual.ravel(), jacobian.reshape(-1, len(names))
 
-    def _record(self, values: Mapping[str, float], sensitivities: bool) -> Record:
+    def _forces(self, values: Mapping[str, float], sensitivities: bool) -> Record:
+        """On the bodies that are seen, N, and the derivatives of these."""
         return self._run.record(np.array([values[path] for path in self._paths], dtype=float), sensitivities)
-
-    def _forces(self, part: np.ndarray) -> np.ndarray:
-        """On the bodies that are seen, N, or the derivatives of these."""
-        forces: np.ndarray = quantities(part, ("x",), *self._count)[0]["contact_force"][:, self._rows, 0]
-        return forces
 
     def _masses_at(self, values: Mapping[str, float]) -> np.ndarray:
         return np.array([values[path] for path in self._masses])
