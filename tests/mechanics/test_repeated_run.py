@@ -15,10 +15,10 @@ DOF = {1: 1, 2: 3, 3: 6}
 def runs(car, simulator):
     """Records of a crash with sensitivities: steps that end at the last of the times only, or at all of them."""
 
-    def run(axes, ends_at_all, step=STEP):
+    def run(axes, ends_at_all, step=STEP, wanted=None):
         model = car(axes)
         paths = list(model.free_parameters())
-        repeated = RepeatedRun(simulator(model), TIMES, paths, step=step, ends_at_all=ends_at_all)
+        repeated = RepeatedRun(simulator(model), TIMES, paths, step=step, ends_at_all=ends_at_all, wanted=wanted)
         values = np.array([model.free_parameters()[path].value for path in paths])
         record = repeated.record(values, sensitivities=True)
         return record.values.copy(), record.tangents.copy()
@@ -61,3 +61,16 @@ def test_only_orientations_in_space_are_not_known_between_the_ends_of_steps(runs
         unknown = np.isnan(values).any(axis=0)
         assert unknown.sum() == (4 * BODIES if axes == 3 else 0) and not unknown[: values.shape[1] - 4 * BODIES].any()
         assert not np.isnan(runs(axes, True)[0]).any()
+
+
+@pytest.mark.parametrize("axes", [1, 2, 3])
+@pytest.mark.parametrize("ends_at_all", [False, True])
+def test_a_record_of_some_entries_is_that_part_of_the_full_one(runs, axes, ends_at_all):
+    values, tangents = runs(axes, ends_at_all)
+    told = tangents.shape[1]
+    some = [told - 1, 0, 4 * BODIES * DOF[axes] + 1]
+    for wanted in (range(0, told, 3), range(1, told, 2), some, range(values.shape[1]), []):
+        some, slopes = runs(axes, ends_at_all, wanted=wanted)
+        entries = sorted(wanted)
+        np.testing.assert_array_equal(some, values[:, entries])
+        np.testing.assert_array_equal(slopes, tangents[:, [entry for entry in entries if entry < told]])

@@ -28,6 +28,8 @@ REFINING = ((12, 8), (4, STEPS))
 """The same about values that are already good."""
 WIDTHS = (8.0, 16.0)
 """Standard deviations of the steps from these."""
+SAME = 1e-3
+"""Of what is left, by which two ends of one optimum may differ."""
 FARTHEST = 0.3
 """Longest of these steps, relative to the values."""
 TOLD = 2.0 / FARTHEST**2
@@ -38,20 +40,26 @@ def reidentify(workshop: Workshop, misfit: Misfit, everywhere: bool = True) -> S
     """The best fit of the model as it is; what then remains, no tuning of its parameters removes.
 
     A model has many local optima where thresholds are crossed. Where taking in the recordings little by little leaves
-    something, two more searches look everywhere: the workshop's finder, and one from many starts. Where it leaves nothing, a
-    better optimum about there would yet look like a small effect.
+    something, another search begins at many starts about the values, and where that does not meet the first, the workshop's
+    finder looks everywhere. Where it leaves nothing, a better optimum about there would yet look like a small effect.
 
     Arguments:
-        everywhere: whether what is left is worth those two: no numbers explain instruments that contradict each other.
+        everywhere: whether what is left is worth more searches: no numbers explain instruments that contradict each other.
     """
     near = understood(workshop, misfit)
     if not everywhere:
         return weighed([near])[0]
     if explains(near):
         return refine(workshop.identifier, near.fitted())
-    looks = [partial(_found, workshop.finder), partial(_best_of_many, workshop.identifier)]
-    far = _fitted(workshop, misfit, spread(lambda look: look(misfit), looks))
-    return weighed([min(near, far, key=lambda search: search.state.cost)])[0]
+    searches = [near, _fitted(workshop, misfit, [_best_of_many(workshop.identifier, misfit)])]
+    if not _meet(*(search.state.cost for search in searches)):
+        searches.append(_fitted(workshop, misfit, [_found(workshop.finder, misfit)]))
+    return weighed([min(searches, key=lambda search: search.state.cost)])[0]
+
+
+def _meet(cost: float, other: float) -> bool:
+    """Whether two searches that began apart have ended in what is hardly anything but one optimum."""
+    return abs(cost - other) < SAME * min(cost, other)
 
 
 def understood(workshop: Workshop, misfit: Misfit) -> Search:

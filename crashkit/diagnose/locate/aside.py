@@ -42,7 +42,8 @@ class Suspect:
     told: str = ""
 
     def concerns(self, proposal: Proposal) -> bool:
-        """Whether a proposal says what such a sensor reads, as if its body turns, and that as kinematics or its channels say.
+        """Whether a proposal says what such a sensor reads, as if its body turns or its clock is wrong, and that as kinematics
+        or its channels say.
 
         What a law of the structure is off by, an error in another form would seem to explain better.
         """
@@ -50,7 +51,8 @@ class Suspect:
             return False
         place = proposal.location
         of_readings = any(path.startswith("instrument.") for path in proposal.parameters)
-        return of_readings and (place.get("sensor") in self.sensors or place.get("body") == self.body)
+        is_here = place.get("sensor") in self.sensors or place.get("body") == self.body
+        return of_readings and (is_here or place.get("instrument") == self.instrument)
 
     def besides(self, finding: Proposal) -> "Suspect | None":
         """What is still accused when something was found: another sensor of the body may be wrong too."""

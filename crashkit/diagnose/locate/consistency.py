@@ -1,10 +1,10 @@
 """Sensor or structure: instruments that watch the same body are compared by kinematics alone, without any model of forces."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
-from attrs import frozen
+from attrs import evolve, frozen
 from scipy.constants import foot, g
 from scipy.integrate import cumulative_trapezoid
 from scipy.linalg import solve_triangular
@@ -22,15 +22,23 @@ MISTAKEN = {
     "positions in cm": 1e-2,
 }
 """How much too large accelerations then are, compared with positions."""
+FEWEST = 8
+"""Instants that both saw."""
+ROUNDS = 6
+"""To first order a late clock adds what the body moves meanwhile; one that is late by much is put right so often."""
 UNIT = 0.1
 """Share by which a ratio may be off one of these: a sensor is rarely wrong by more."""
 
 
-@frozen
+@frozen(eq=False)
 class Comparison:
-    """One body of one run seen by position and by acceleration: y = position - double integral of the acceleration.
+    """One body of one run seen by position and by acceleration.
 
-    `along` says in which axis, where there are several.
+    Attributes:
+        along: in which axis, where there are several.
+        times, position: of the film, s and m.
+        stamps, velocity, displacement: of the accelerometer, s, and its integrals.
+        variance, density: of the noise of the positions, m2, and spectral of the accelerations.
     """
 
     body: str
@@ -38,15 +46,33 @@ class Comparison:
     film: str
     accelerometer: str
     times: np.ndarray
-    difference: np.ndarray
-    integral: np.ndarray
-    slope: np.ndarray
-    covariance: np.ndarray
+    position: np.ndarray
+    stamps: np.ndarray
+    velocity: np.ndarray
+    displacement: np.ndarray
+    variance: float
+    density: float
 
     @property
     def key(self) -> tuple[str, ...]:
         """What is the same in all runs."""
         return self.body, self.along, self.film, self.accelerometer
+
+    def put_right(self, late: float) -> "Comparison":
+        """The same, the accelerometer's clock put right by so much, over what both then saw."""
+        stamps = self.stamps - late
+        seen = (self.times >= stamps[0]) & (self.times <= stamps[-1])
+        return evolve(self, stamps=stamps, times=self.times[seen], position=self.position[seen])
+
+    def columns(self, error: str) -> np.ndarray:
+        """(time, 4) a straight line, what an error of 1 adds, and y = position - double integral; in units of the noise."""
+        integral, slope = (np.interp(self.times, self.stamps, part) for part in (self.displacement, self.velocity))
+        since = self.times - self.times[0]
+        added = {"gain": -integral, "bias": -0.5 * since**2, "clock_offset": slope}[error]
+        table = np.column_stack([np.ones_like(since), since, added, self.position - integral])
+        covariance = _covariance(self.times - self.stamps[0], self.variance, self.density)
+        white: np.ndarray = solve_triangular(np.linalg.cholesky(covariance), table, lower=True)
+        return white
 
 
 def check_instruments(groups: Mapping[str, list[Group]]) -> xr.Dataset:
@@ -93,15 +119,14 @@ def _compare(film: Group, sensor: Group, seen: xr.DataArray, felt: xr.DataArray)
     body, axis = str(seen["body"].item()), _strongest(felt)
     position, acceleration = seen.sel(axis=axis).values, felt.sel(axis=axis).values
     inside = np.isfinite(position) & (film.times >= sensor.times[0]) & (film.times <= sensor.times[-1])
-    if inside.sum() < 8 or not np.isfinite(acceleration).all():
+    if inside.sum() < FEWEST or not np.isfinite(acceleration).all():
         return
     velocity = cumulative_trapezoid(acceleration, sensor.times, initial=0.0)
     displacement = cumulative_trapezoid(velocity, sensor.times, initial=0.0)
-    times = film.times[inside]
-    integral, slope = np.interp(times, sensor.times, displacement), np.interp(times, sensor.times, velocity)
-    covariance = _covariance(times - sensor.times[0], _variance(film, body, axis, "marker"), _density(sensor, body, axis))
     along = f" along {axis}" if seen.sizes["axis"] > 1 else ""
-    yield Comparison(body, along, film.name, sensor.name, times, position[inside] - integral, integral, slope, covariance)
+    noise = _variance(film, body, axis, "marker"), _density(sensor, body, axis)
+    seen_by = film.times[inside], position[inside], sensor.times, velocity, displacement
+    yield Comparison(body, along, film.name, sensor.name, *seen_by, *noise)
 
 
 def _strongest(felt: xr.DataArray) -> str:
@@ -136,17 +161,26 @@ def _mistaken(gain: float) -> str:
     return f": {units[0]}?" if units else ""
 
 
-def _estimate(comparisons: list[Comparison], error: str) -> tuple[float, float, float]:
-    """One error, common to all runs (of a sensitivity, over 1 + g), its deviation, and what it leaves.
+def _estimate(comparisons: Sequence[Comparison], error: str) -> tuple[float, float, float]:
+    """One error, common to all runs (of a sensitivity, over 1 + g), its deviation, and what it leaves."""
+    best = _to_first_order(comparisons, error)
+    for _ in range(ROUNDS if error == "clock_offset" else 0):
+        late, *_ = best
+        again = [one.put_right(late) for one in comparisons]
+        if any(len(one.times) < FEWEST for one in again):
+            break
+        further, std, left = _to_first_order(again, error)
+        if left >= best[2]:
+            break
+        best = late + further, std, left
+    return best
 
-    Each run has a straight line of its own.
-    """
+
+def _to_first_order(comparisons: Sequence[Comparison], error: str) -> tuple[float, float, float]:
+    """Each run has a straight line of its own."""
     information = gradient = chi_squared = 0.0
     for one in comparisons:
-        column = {"gain": -one.integral, "bias": -0.5 * (one.times - one.times[0]) ** 2, "clock_offset": one.slope}[error]
-        root = np.linalg.cholesky(one.covariance)
-        line = np.stack([np.ones_like(one.times), one.times], axis=1)
-        white = solve_triangular(root, np.column_stack([line, column, one.difference]), lower=True)
+        white = one.columns(error)
         basis, _ = np.linalg.qr(white[:, :2])
         free = white[:, 2:] - basis @ (basis.T @ white[:, 2:])
         information += float(free[:, 0] @ free[:, 0])

@@ -7,7 +7,7 @@ from attrs import evolve
 
 from crashkit.diagnose.claims import propose_all
 from crashkit.diagnose.fitting.candidates import Candidate
-from crashkit.diagnose.fitting.evidence import FLOOR, explains, ranked_by_evidence
+from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED, explains, ranked_by_evidence
 from crashkit.diagnose.fitting.in_time import in_time, sooner
 from crashkit.diagnose.fitting.reidentify import reidentify
 from crashkit.diagnose.fitting.search import STEPS, begin
@@ -78,7 +78,17 @@ def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | Non
     if any(map(_says_what_sensors_read, structure.findings)):
         return in_time(told, _read_by_all, inquiry, structure) or in_time(told, explored, inquiry)
     unbent = evolve(inquiry, given=given.with_values_of(structure.search.fitted()))
-    return _with_what_is_wrong(unbent, told, set_aside) or in_time(told, explored, inquiry)
+    wrong = _with_what_is_wrong(unbent, told, set_aside)
+    return in_time(wrong, _with_more, inquiry, wrong) if wrong else in_time(told, explored, inquiry)
+
+
+def _with_more(inquiry: Inquiry, told: Discovery) -> Discovery:
+    """What all instruments say of the structure once one is put right, where those that agree had said nothing of it and that
+    leaves something: a film may see too little."""
+    if len(told.findings) != 1 or told.search.normalised < UNEXPLAINED:
+        return told
+    more = beside_reading(inquiry, told.findings[0])
+    return more if more.search.normalised < UNEXPLAINED else told
 
 
 def _with_what_is_wrong(inquiry: Inquiry, told: Discovery, waiting: tuple[Suspect, ...]) -> Discovery | None:

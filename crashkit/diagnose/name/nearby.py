@@ -63,6 +63,8 @@ def followed_nearby(inquiry: Inquiry, near: Look) -> Nearby:
             return followed_nearby(inquiry, named)
         # What an estimate at one place explains alone is not made of two causes at two.
         return Nearby(near, None if is_at_noise(near.leader.search) else _two_at_once(inquiry, near, known[0].search))
+    if _is_pointed_away(near, known[0]) and in_time(False, lambda: one_explains(inquiry.from_given.singles)):
+        return Nearby(near)
     first, search = _at_its_best(inquiry, compared(near, known))
     near = compared(first, by_evidence([*first.rivals, *filter(is_unknown, near.rivals)]))
     winner = first.winner
@@ -74,6 +76,14 @@ def followed_nearby(inquiry: Inquiry, near: Look) -> Nearby:
     if two is not None:
         return Nearby(near, two)
     return _with_a_second(inquiry, near, first if is_unknown(near.leader) else near, search)
+
+
+def _is_pointed_away(near: Look, known: Rival) -> bool:
+    """Whether an estimate at another place leaves far less than the best known cause, which leaves much: the one that is there
+    may be caught where the model without it had been driven, and is soon told along the measured motion."""
+    least = FOLLOWED * known.search.excess
+    elsewhere = [rival for rival in near.rivals if is_unknown(rival) and rival.place != known.place]
+    return known.search.normalised > CONCEALED and any(rival.search.excess < least for rival in elsewhere)
 
 
 def _named_instead(inquiry: Inquiry, near: Look, known: Rival) -> Look:

@@ -9,8 +9,17 @@ from crashkit.diagnose.claims import Progress, Start, first_of_each, identity, i
 from crashkit.diagnose.fitting.candidates import Candidate
 from crashkit.diagnose.fitting.contest import GROWING, heats, promising, scores, scouted
 from crashkit.diagnose.fitting.couples import Couple
-from crashkit.diagnose.fitting.evidence import FLOOR, Rival, explains, is_at_noise, one_explains, ranked_by_evidence
+from crashkit.diagnose.fitting.evidence import (
+    FLOOR,
+    UNEXPLAINED,
+    Rival,
+    explains,
+    is_at_noise,
+    one_explains,
+    ranked_by_evidence,
+)
 from crashkit.diagnose.fitting.from_given import FromGiven
+from crashkit.diagnose.fitting.leftover import BY_CHANCE
 from crashkit.diagnose.fitting.reidentify import scattered
 from crashkit.diagnose.fitting.score import Score
 from crashkit.diagnose.fitting.search import begin
@@ -92,15 +101,25 @@ def nearest_rivals(
         progress: told what is being done and how far it is (0 to 1).
     """
     normalised, strained = standing(base)
-    plain = [proposal for proposal in proposals if not proposal.refined]
+    plain, room = [proposal for proposal in proposals if not proposal.refined], _room(base, normalised)
+    first = {identity(proposal): proposal for proposal in reversed(plain) if proposal.physics != UNKNOWN}
+    asked = [p for p in plain if least(p) < room or first.get(identity(p)) is p]
     # Where much is left, a few samples tell as well where to begin.
     at_first = base if normalised < CONCEALED else base.coarse
-    scored = scores(workshop, at_first, plain, 2.0 * _cost(workshop, at_first), progress)
+    scored = scores(workshop, at_first, asked, 2.0 * _cost(workshop, at_first), progress)
     at_noise = normalised < FLOOR and not strained
-    chosen = promising(scored, STARTS, lambda proposal: NOISE_PROMISE * least(proposal) if at_noise else LEAST_PROMISE)
+    open_ = [(proposal, one) for proposal, one in scored if least(proposal) < room]
+    chosen = promising(open_, STARTS, lambda proposal: NOISE_PROMISE * least(proposal) if at_noise else LEAST_PROMISE)
     ahead = _ahead(workshop, base, chosen, progress)
     reference = base.deviance(base.residual(base.start()))
     return ranked_by_evidence(heats(ahead, HEATS, progress), reference), _limits(scored) if at_first is base else []
+
+
+def _room(base: Misfit, normalised: float) -> float:
+    """Chi squared that a claim could still explain: what is left above the noise, where that is told, and what chance adds."""
+    samples, is_told = base.independent_samples, all(channel.noise.trusted for channel in base.channels)
+    is_little = is_told and normalised < UNEXPLAINED
+    return (normalised**2 - 1.0) * samples + BY_CHANCE * np.sqrt(2.0 * samples) if is_little else np.inf
 
 
 def _ahead(workshop: Workshop, base: Misfit, chosen: Sequence[Start], progress: Progress) -> list[Candidate]:

@@ -26,7 +26,7 @@ from crashkit.mechanics.kernel.arrays import (
     START,
 )
 from crashkit.mechanics.kernel.line import DOF
-from crashkit.mechanics.kernel.stand_ins import compiled, inlined
+from crashkit.mechanics.kernel.stand_ins import compiled, inlined, unaliased
 
 # ---- compiled from here ----
 
@@ -52,6 +52,22 @@ def force_within(s):
     return both + (1.0 - s) * (1.0 - 3.0 * s), 2.0 * both, both, s * (3.0 * s - 2.0)
 
 
+@unaliased
+def blend(out, w_0, w_1, w_2, w_3, start, end, slope_start, slope_end):
+    """The derivatives of what is read off a cubic."""
+    for c in range(out.size):
+        ends = w_0 * start[c] + w_1 * end[c]
+        out[c] = ends + w_2 * slope_start[c] + w_3 * slope_end[c]
+
+
+@unaliased
+def blend_stages(out, f_0, f_1, f_3, f_4, start, first, second, third, end):
+    """The derivatives of a force within a step."""
+    for c in range(out.size):
+        inner = f_1 * (first[c] + second[c]) + f_3 * third[c]
+        out[c] = f_0 * start[c] + inner + f_4 * end[c]
+
+
 @inlined
 def write_state_between(state, tangent, values, tangents, slots, k, weights):
     """The state and its derivative, each by its own weights."""
@@ -64,9 +80,10 @@ def write_state_between(state, tangent, values, tangents, slots, k, weights):
                 continue
             ends = y_0 * state[START, i] + y_1 * state[END, i]
             values[k, to] = ends + k_0 * state[START, size + i] + k_1 * state[END, size + i]
-            for c in range(tangent.shape[2]):
-                ends = y_0 * tangent[START, i, c] + y_1 * tangent[END, i, c]
-                tangents[k, to, c] = ends + k_0 * tangent[START, size + i, c] + k_1 * tangent[END, size + i, c]
+            blend(
+                tangents[k, to], y_0, y_1, k_0, k_1, tangent[START, i], tangent[END, i], tangent[START, size + i],
+                tangent[END, size + i],
+            )  # fmt: skip
 
 
 @inlined
@@ -77,18 +94,19 @@ def write_joint_between(joint, own, values, tangents, slots, k, entry, shares, w
     if to != NONE:
         inner = f_1 * (forces[1] + forces[2]) + f_3 * forces[3]
         values[k, to] = f_0 * forces[START] + inner + f_4 * forces[END]
-        for c in range(own.shape[1]):
-            inner = f_1 * (own[FORCES + 1, c] + own[FORCES + 2, c]) + f_3 * own[FORCES + 3, c]
-            tangents[k, to, c] = f_0 * own[FORCES + START, c] + inner + f_4 * own[FORCES + END, c]
+        blend_stages(
+            tangents[k, to], f_0, f_1, f_3, f_4, own[FORCES + START], own[FORCES + 1], own[FORCES + 2], own[FORCES + 3],
+            own[FORCES + END],
+        )  # fmt: skip
     for part in range(2):
         d_0, d_1, ddot_0, ddot_1 = weights[part]
         to = slots[entry + 1 + part]
         if to == NONE:
             continue
         values[k, to] = d_0 * joint.d_before + d_1 * joint.d + ddot_0 * joint.ddot_before + ddot_1 * joint.ddot
-        for c in range(own.shape[1]):
-            ends = d_0 * own[DEFORMATION_BEFORE, c] + d_1 * own[DEFORMATION, c]
-            tangents[k, to, c] = ends + ddot_0 * own[RATE_BEFORE, c] + ddot_1 * own[RATE, c]
+        blend(
+            tangents[k, to], d_0, d_1, ddot_0, ddot_1, own[DEFORMATION_BEFORE], own[DEFORMATION], own[RATE_BEFORE], own[RATE]
+        )
 
 
 @inlined
@@ -101,9 +119,10 @@ def write_net_between(bodies, net_tangent, values, tangents, slots, k, entry, sh
             continue
         inner = f_1 * (net[1, axis] + net[2, axis]) + f_3 * net[3, axis]
         values[k, to] = f_0 * net[START, axis] + inner + f_4 * net[END, axis]
-        for c in range(net_tangent.shape[2]):
-            inner = f_1 * (net_tangent[1, i, c] + net_tangent[2, i, c]) + f_3 * net_tangent[3, i, c]
-            tangents[k, to, c] = f_0 * net_tangent[START, i, c] + inner + f_4 * net_tangent[END, i, c]
+        blend_stages(
+            tangents[k, to], f_0, f_1, f_3, f_4, net_tangent[START, i], net_tangent[1, i], net_tangent[2, i],
+            net_tangent[3, i], net_tangent[END, i],
+        )  # fmt: skip
 
 
 @compiled

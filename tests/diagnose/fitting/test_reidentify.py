@@ -25,19 +25,25 @@ def test_the_given_model_is_found_again_from_far_away(workshop, model, far_from)
 
 
 @pytest.mark.parametrize(
-    ("has_more", "everywhere", "is_asked"), [(False, True, False), (True, True, True), (True, False, False)]
+    ("has_more", "everywhere", "meet", "is_asked"),
+    [(False, True, False, False), (True, True, False, True), (True, True, True, False), (True, False, False, False)],
 )
-def test_it_is_looked_for_everywhere_only_where_something_is_left_that_numbers_may_explain(
-    workshop, model, far_from, has_more, everywhere, is_asked, monkeypatch
+def test_it_is_looked_for_everywhere_only_where_something_is_left_that_numbers_may_explain_and_searches_part(
+    workshop, model, far_from, has_more, everywhere, meet, is_asked, monkeypatch
 ):
     asked = []
     found = module._found
     monkeypatch.setattr(module, "_found", lambda finder, misfit: asked.append(finder) or found(finder, misfit))
-    monkeypatch.setattr(module, "spread", lambda function, items: [function(item) for item in items])
+    monkeypatch.setattr(module, "_meet", lambda *costs: meet)
     damped = model.with_parameters({"joint.first.rate_coefficient": Parameter(0.3, fixed=True)})
     search = reidentify(workshop, far_from(damped if has_more else model), everywhere)
     assert (search.normalised > 1.5) == has_more
     assert bool(asked) == is_asked
+
+
+def test_searches_meet_that_leave_the_same_to_a_thousandth():
+    assert module._meet(500.0, 500.2) and module._meet(500.2, 500.0)
+    assert not module._meet(500.0, 501.0) and not module._meet(501.0, 500.0)
 
 
 @pytest.fixture

@@ -117,6 +117,8 @@ def test_only_readings_of_its_body_concern_a_suspect(doubted, model):
     assert suspect.concerns(proposal(wrong, BIAS, sensor="front_sensor"))
     assert suspect.concerns(proposal(wrong, BIAS, body="front"))
     assert suspect.concerns(proposal(with_joint(wrong, dashpot), BIAS, damping, body="front"))
+    assert suspect.concerns(proposal(wrong, BIAS, instrument="accelerometer"))
+    assert not suspect.concerns(proposal(wrong, BIAS, instrument="film"))
     assert not suspect.concerns(proposal(wrong, BIAS, sensor="rear_sensor"))
     assert not suspect.concerns(proposal(dashed, damping, body="front"))
 

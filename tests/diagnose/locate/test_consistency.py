@@ -28,6 +28,13 @@ def late(dataset, by=8):
     return dataset.assign(acceleration=(dataset["acceleration"].dims, np.concatenate([0.0 * values[:by], values[:-by]])))
 
 
+@pytest.mark.parametrize("by", [4, 8, 40, 100])
+def test_a_clock_that_is_late_by_much_leaves_nothing_once_it_is_put_right(checked, by):
+    table = checked(lambda dataset: late(dataset, by)).set_coords("error").swap_dims(check="error").sel(error="clock_offset")
+    assert float(table["estimate"]) == pytest.approx(by * 2.5e-4, abs=4.0 * float(table["std"]) + 2.5e-4)
+    assert float(table["left"]) < 1.2
+
+
 FAULTS = {
     "gain": (lambda d: d.assign(acceleration=1.05 * d["acceleration"]), 0.05),
     "bias": (lambda d: d.assign(acceleration=d["acceleration"] + 5.0), 5.0),

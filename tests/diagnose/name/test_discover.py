@@ -1,5 +1,7 @@
 """Which instruments wait while the structure is questioned."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -139,3 +141,21 @@ def asked_of_a_suspect(workshop, model, misfit, recorded, claim, inquiry, monkey
 @pytest.mark.parametrize(("told", "physics"), [("gain_error", "gain_error"), ("", "mounting_resonance")])
 def test_what_kinematics_tell_of_a_sensor_is_not_challenged_by_other_errors(asked_of_a_suspect, told, physics):
     assert asked_of_a_suspect(told) == [physics]
+
+
+@pytest.mark.parametrize(("left", "after", "is_asked", "is_taken"), [(1.4, 1.0, 1, 1), (1.4, 1.3, 1, 0), (1.1, 1.0, 0, 0)])
+def test_where_an_instrument_put_right_leaves_something_all_are_asked_of_the_structure(
+    monkeypatch, left, after, is_asked, is_taken
+):
+    asked = []
+    more = SimpleNamespace(search=SimpleNamespace(normalised=after))
+    monkeypatch.setattr(discover, "beside_reading", lambda inquiry, reading: asked.append(reading) or more)
+    told = SimpleNamespace(findings=("saturation",), search=SimpleNamespace(normalised=left))
+    assert discover._with_more(None, told) is (more if is_taken else told)
+    assert asked == ["saturation"] * is_asked
+
+
+def test_what_leaves_something_beside_a_finding_of_those_that_agree_is_told_as_it_is(monkeypatch):
+    monkeypatch.setattr(discover, "beside_reading", lambda *_: pytest.fail("nothing more is asked"))
+    told = SimpleNamespace(findings=("fracture", "saturation"), search=SimpleNamespace(normalised=1.4))
+    assert discover._with_more(None, told) is told

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import pytest
 from attrs import evolve
 
+from crashkit.diagnose.fitting.candidates import Candidate
 from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.name import nearby
@@ -258,3 +259,26 @@ def test_a_known_cause_at_the_place_of_an_estimate_that_leaves_far_less_than_any
     monkeypatch.setattr(nearby, "_with_a_second", lambda inquiry, look, first, search: Nearby(look, first.leader.identity))
     told = followed_nearby(SimpleNamespace(base=leaving(9.0)), near).found
     assert (told, places) == (("tension", "joint nose") if asked else "two", asked)
+
+
+@pytest.mark.parametrize(
+    ("estimate", "place", "known", "explains", "is_followed"),
+    [
+        (2.0, "nose", 4.0, True, False),
+        (2.0, "nose", 4.0, False, True),
+        (3.5, "nose", 4.0, True, True),
+        (2.0, "rails", 4.0, True, True),
+        (1.05, "nose", 1.25, True, True),
+    ],
+)
+def test_the_best_known_cause_is_not_followed_where_an_estimate_elsewhere_leaves_far_less_and_another_explains_all_as_given(
+    monkeypatch, estimate, place, known, explains, is_followed
+):
+    near = Look((rival_at("rails", "clearance", known), rival_at(place, "unknown", estimate)), (1.0, 0.0), 0.0, None)
+    cause = rival_at("nose", "tension", 1.01 if explains else 3.0)
+    claims = SimpleNamespace(singles=[Candidate(cause.proposal, cause.search)])
+    monkeypatch.setattr(nearby, "_at_its_best", lambda inquiry, look: (look, look.leader.search))
+    monkeypatch.setattr(nearby, "_two_at_once", lambda *_: "followed")
+    monkeypatch.setattr(nearby, "check_pace", lambda *_: None)
+    found = followed_nearby(SimpleNamespace(base=leaving(9.0), from_given=claims), near).found
+    assert found == ("followed" if is_followed else None)

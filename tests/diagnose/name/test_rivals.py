@@ -6,6 +6,7 @@ import pytest
 
 from crashkit.diagnose.claims import propose_all
 from crashkit.diagnose.fitting.candidates import Candidate
+from crashkit.diagnose.fitting.score import Score
 from crashkit.diagnose.name import rivals
 from crashkit.protocols import Proposal
 
@@ -68,6 +69,19 @@ def test_where_much_is_left_few_samples_say_where_to_begin_and_no_limits(
     _, limits = rivals.nearest_rivals(workshop, base, [], lambda proposal: 20.0, lambda doing, share: None)
     assert (asked[0].sample_count < base.sample_count) is is_few
     assert limits == seen
+
+
+@pytest.mark.parametrize(("least", "is_begun"), [(20.0, True), (1e5, False)])
+def test_nothing_is_fitted_that_would_have_to_explain_more_than_is_left(
+    monkeypatch, workshop, misfit, model, recorded, least, is_begun
+):
+    base, begun = misfit(model, run=recorded(model)), []
+    claim = propose_all(workshop, base, "bottoming")[0]
+    monkeypatch.setattr(rivals, "scores", lambda *_: [(claim, Score(claim.null, 1e6, 1.0))])
+    monkeypatch.setattr(rivals, "_ahead", lambda workshop, base, chosen, progress: begun.extend(chosen) or [])
+    _, limits = rivals.nearest_rivals(workshop, base, [], lambda proposal: least, lambda doing, share: None)
+    assert bool(begun) is is_begun
+    assert [limit.proposal for limit in limits] == [claim]
 
 
 @pytest.mark.parametrize(
