@@ -1,5 +1,5 @@
 """A prediction with its derivatives, as a search asks for thousands: steps as long as the noise allows, beside steps that end
-wherever an instrument is read.
+wherever an instrument is read; and records of what is read, beside records of everything.
 
 Made-up vehicles with nothing concealed, their recordings as thin as a search sees them. Beside the times, what either differs
 from steps of 20 us, in standard deviations of the noise, root mean square over all readings.
@@ -37,11 +37,16 @@ def _rows(seed: int, case: Case) -> list[Row]:
         ending = _misfit(case)
         ending = ending.with_step(fine_step(ending))
         ending.residual(ending.start())  # its runs are made at the first
+    with patch.object(Predictor, "_wanted", dict.fromkeys(free.recordings)):
+        everything = free.with_step(free.step)
+        everything.residual(everything.start())
     name, peer = f"vehicle {seed}, {len(free.names)} numbers", "steps end where anything is read"
     times = pair(lambda: _predict(free), lambda: _predict(ending), repeats=15)
+    written = pair(lambda: _predict(free), lambda: _predict(everything), repeats=15)
     errors = [_rms(one.residual(one.start()) - exact.residual(exact.start())) for one in (free, ending)]
     return [
         Row(f"{name}: prediction with derivatives", "time", "s", times[0], peer, times[1]),
+        Row(f"{name}: the same", "time", "s", written[0], "everything is written", written[1]),
         Row(f"{name}: error", "error", "std of the noise", errors[0], peer, errors[1]),
     ]
 
