@@ -12,7 +12,7 @@ from crashkit.diagnose.fitting.continuation import grown
 from crashkit.diagnose.fitting.evidence import UNEXPLAINED, explains
 from crashkit.diagnose.fitting.quadratic import tangent
 from crashkit.diagnose.fitting.regress import regression
-from crashkit.diagnose.fitting.search import STEPS, Search, advance_all, begin, begin_all, weighed
+from crashkit.diagnose.fitting.search import STEPS, Search, advance_all, begin, begin_all, meet, weighed
 from crashkit.diagnose.fitting.thresholds import wakened
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
@@ -28,8 +28,6 @@ REFINING = ((12, 8), (4, STEPS))
 """The same about values that are already good."""
 WIDTHS = (8.0, 16.0)
 """Standard deviations of the steps from these."""
-SAME = 1e-3
-"""Of what is left, by which two ends of one optimum may differ."""
 FARTHEST = 0.3
 """Longest of these steps, relative to the values."""
 TOLD = 2.0 / FARTHEST**2
@@ -52,14 +50,9 @@ def reidentify(workshop: Workshop, misfit: Misfit, everywhere: bool = True) -> S
     if explains(near):
         return refine(workshop.identifier, near.fitted())
     searches = [near, _fitted(workshop, misfit, [_best_of_many(workshop.identifier, misfit)])]
-    if not _meet(*(search.state.cost for search in searches)):
+    if not meet([search.state.cost for search in searches]):
         searches.append(_fitted(workshop, misfit, [_found(workshop.finder, misfit)]))
     return weighed([min(searches, key=lambda search: search.state.cost)])[0]
-
-
-def _meet(cost: float, other: float) -> bool:
-    """Whether two searches that began apart have ended in what is hardly anything but one optimum."""
-    return abs(cost - other) < SAME * min(cost, other)
 
 
 def understood(workshop: Workshop, misfit: Misfit) -> Search:

@@ -17,6 +17,8 @@ STEPS = 60
 """Within which most fits settle."""
 FIRST_STEPS = 8
 """After which one that was begun again and leaves more than the fit is given up."""
+SAME = 1e-3
+"""Of what is left, by which the ends of several searches in one optimum may differ."""
 REWEIGHTINGS = 3
 LEAST_GAIN = 0.02
 """Half a chi squared that a further step must gain: a hundredth of what one parameter gains by chance is not worth a step."""
@@ -141,3 +143,8 @@ def weighed(searches: Sequence[Search]) -> list[Search]:
         again = [search.fitted().reweighted(search.point) for search in searches]
         searches = advance_all(begin_all(searches[0].identifier, again), STEPS)
     return list(searches)
+
+
+def meet(costs: Sequence[float]) -> bool:
+    """Whether several searches have ended in what is hardly anything but one optimum."""
+    return len(costs) > 1 and max(costs) - min(costs) < SAME * min(costs)

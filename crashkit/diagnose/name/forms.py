@@ -11,7 +11,7 @@ from crashkit.diagnose.claims import Start, first_of_each, identity, propose_all
 from crashkit.diagnose.fitting.back_to_given import begun_from_given
 from crashkit.diagnose.fitting.candidates import Candidate, advance_candidates, begin_candidates, weigh_candidates
 from crashkit.diagnose.fitting.evidence import Rival, explains, is_at_noise, is_unknown, ranked_by_evidence, rival_of
-from crashkit.diagnose.fitting.search import Search, begin
+from crashkit.diagnose.fitting.search import Search, begin, meet
 from crashkit.diagnose.name.force_matching import most_alike
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look
@@ -25,8 +25,6 @@ SHARES = (1 / 6, 1 / 3, 2 / 3, 1.0)
 """Of the time recorded, looked at one after the other while only a form's own numbers move."""
 ALONE = 10
 """Steps in each."""
-SAME = 1e-3
-"""Of what is left, by which two ends of one optimum may differ."""
 MOVED = 0.5
 """Of what is left above the noise: a form that leaves less has moved all numbers, and others may fit from there."""
 FURTHER = 4
@@ -143,7 +141,7 @@ def _apart(ranked: Sequence[Candidate]) -> list[Candidate]:
     apart: list[Candidate] = []
     for one in ranked:
         alike = [other for other in apart if other.proposal.form == one.proposal.form]
-        if not any(_meet([other.search.state.cost, one.search.state.cost]) for other in alike):
+        if not any(meet([other.search.state.cost, one.search.state.cost]) for other in alike):
             apart.append(one)
     return apart
 
@@ -170,13 +168,8 @@ def _by_and_by(workshop: Workshop, origin: Misfit, start: Start, ends: Sequence[
     joint."""
     form, _ = start
     here = tuple(f"joint.{name}." for key, name in form.location.items() if key == "joint")
-    further = [] if _meet([cost for _, cost in ends]) else [along(workshop, origin, start, SHARES)]
+    further = [] if meet([cost for _, cost in ends]) else [along(workshop, origin, start, SHARES)]
     return [*ends, *further, *([along(workshop, origin, start, SHARES[-1:], here)] if here else [])]
-
-
-def _meet(costs: Sequence[float]) -> bool:
-    """Whether two searches have ended in what is hardly anything but one optimum."""
-    return len(costs) > 1 and max(costs) - min(costs) < SAME * min(costs)
 
 
 def along(workshop: Workshop, origin: Misfit, start: Start, route: Sequence[float], here: tuple[str, ...] = ()) -> End:

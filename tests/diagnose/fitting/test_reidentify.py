@@ -5,7 +5,7 @@ import pytest
 
 from crashkit.diagnose.fitting import reidentify as module
 from crashkit.diagnose.fitting.reidentify import WIDTHS, refine, reidentify, scattered, scattered_by_deviation
-from crashkit.diagnose.fitting.search import STEPS, begin
+from crashkit.diagnose.fitting.search import STEPS, begin, meet
 from crashkit.model import Parameter
 
 
@@ -25,16 +25,16 @@ def test_the_given_model_is_found_again_from_far_away(workshop, model, far_from)
 
 
 @pytest.mark.parametrize(
-    ("has_more", "everywhere", "meet", "is_asked"),
+    ("has_more", "everywhere", "meets", "is_asked"),
     [(False, True, False, False), (True, True, False, True), (True, True, True, False), (True, False, False, False)],
 )
 def test_it_is_looked_for_everywhere_only_where_something_is_left_that_numbers_may_explain_and_searches_part(
-    workshop, model, far_from, has_more, everywhere, meet, is_asked, monkeypatch
+    workshop, model, far_from, has_more, everywhere, meets, is_asked, monkeypatch
 ):
     asked = []
     found = module._found
     monkeypatch.setattr(module, "_found", lambda finder, misfit: asked.append(finder) or found(finder, misfit))
-    monkeypatch.setattr(module, "_meet", lambda *costs: meet)
+    monkeypatch.setattr(module, "meet", lambda costs: meets)
     damped = model.with_parameters({"joint.first.rate_coefficient": Parameter(0.3, fixed=True)})
     search = reidentify(workshop, far_from(damped if has_more else model), everywhere)
     assert (search.normalised > 1.5) == has_more
@@ -42,8 +42,8 @@ def test_it_is_looked_for_everywhere_only_where_something_is_left_that_numbers_m
 
 
 def test_searches_meet_that_leave_the_same_to_a_thousandth():
-    assert module._meet(500.0, 500.2) and module._meet(500.2, 500.0)
-    assert not module._meet(500.0, 501.0) and not module._meet(501.0, 500.0)
+    assert meet([500.0, 500.2]) and meet([500.2, 500.0])
+    assert not meet([500.0, 501.0]) and not meet([501.0, 500.0]) and not meet([500.0])
 
 
 @pytest.fixture
