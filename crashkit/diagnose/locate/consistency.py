@@ -80,8 +80,8 @@ def check_instruments(groups: Mapping[str, list[Group]]) -> xr.Dataset:
 
     Of several axes that is asked along the one in which the body is accelerated most.
     y(t) = x(t) - ∫∫ a dt² is a straight line for perfect instruments. A sensitivity 1 + g adds -g / (1 + g) ∫∫a, an offset b
-    adds -b t²/2, a clock late by τ adds τ ∫a; each is estimated alone, by generalised least squares with the integrated noise; the clock again with stamps put right by what was
-    found, as long as that leaves less.
+    adds -b t²/2, a clock late by τ adds τ ∫a; each is estimated alone, by generalised least squares with the integrated noise;
+    the clock again with stamps put right by what was found, as long as that leaves less.
 
     Arguments:
         groups: the instruments of each run.
