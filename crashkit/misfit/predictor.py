@@ -101,13 +101,13 @@ class Predictor:
 
     @cached_property
     def _runs(self) -> dict[str, RepeatedRun]:
-        """Made for the first prediction: many models are never asked for one."""
+        """Of the runs that something reads. Made for the first prediction: many models are never asked for one."""
         return {
             run: RepeatedRun(
-                self.simulator, times, self._structural, self._fixed, self._initial[run], self.step, self._steps_end_at_all,
-                self._wanted[run],
+                self.simulator, self._times[run], self._structural, self._fixed, self._initial[run], self.step,
+                self._steps_end_at_all, wanted,
             )
-            for run, times in self._times.items()
+            for run, wanted in self._wanted.items()
         }  # fmt: skip
 
     @property

@@ -127,6 +127,17 @@ def test_an_instrument_that_begins_later_has_no_part_in_it(problem):
     assert problem.up_to(1e-6).groups == ()
 
 
+def test_a_run_that_is_seen_only_later_has_no_part_in_it():
+    registry, truth = load(), toys.one_degree()
+    start = toys.start_from(truth, 0.8)
+    both = toys.problem(truth, start, registry.spring_laws, registry.observers, speeds=(1.0, 1.2))
+    late = {run: tree.isel(time=slice(250, None)) if run == "speed_1.2" else tree for run, tree in both.recordings.items()}
+    early = Misfit(start, late, registry.spring_laws, registry.observers).up_to(0.5)
+    alone = toys.problem(truth, start, registry.spring_laws, registry.observers).up_to(0.5)
+    assert {group.run for group in early.groups} == {"speed_1"}
+    assert early.residual_and_jacobian(early.start())[0] == pytest.approx(alone.residual(alone.start()), abs=1e-9)
+
+
 @pytest.mark.parametrize("share", [0.1, 0.3, 0.55])
 @pytest.mark.parametrize("frequency_class", [60, 180])
 def test_the_first_part_of_a_filtered_channel_sees_as_far_ahead_as_its_filter(problem, frequency_class, share):
