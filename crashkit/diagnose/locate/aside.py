@@ -17,6 +17,8 @@ from crashkit.protocols import Proposal
 CLOCK = "clock_offset"
 ALIKE = 0.2
 """Share of an offset by which bodies may differ on it: short pulses and filters falsify it by a tenth."""
+ON_TIME = 0.5
+"""Share of an offset that a clock may at most have, to be told from one that has all of it."""
 LEFT = 2.0
 """What a clock may leave of a contradiction, in units of noise: filters are in no check."""
 TOLD, APART = 1.1, 1.3
@@ -80,18 +82,32 @@ def are_at_odds(misfit: Misfit) -> bool:
 
 
 def late_clocks(checks: xr.Dataset) -> dict[str, float]:
-    """By how much, in s, one of two instruments must be late; none unless that explains all that they say of most bodies."""
+    """By how much, in s, one of two instruments must be late; none unless that explains all that they say of most bodies. The
+    one that a third instrument agrees with is not late."""
     worst = _worst(checks)
     late = worst.where((worst["sigma"] > SIGNIFICANT) & (worst["error"] == CLOCK), drop=True)
     if not late.sizes["check"]:
         return {}
     plainest = late.isel(check=int((late["sigma"] / late["left"]).values.argmax()))
     film, accelerometer, offset = (plainest[name].item() for name in ("film", "accelerometer", "estimate"))
-    clocks = checks.where((checks["film"] == film) & (checks["accelerometer"] == accelerometer), drop=True)
-    clocks = clocks.where(clocks["error"] == CLOCK, drop=True)
+    all_clocks = checks.where(checks["error"] == CLOCK, drop=True)
+    is_of_film, is_of_accelerometer = all_clocks["film"] == film, all_clocks["accelerometer"] == accelerometer
+    clocks = all_clocks.where(is_of_film & is_of_accelerometer, drop=True)
     apart = np.abs(clocks["estimate"] - offset) > np.maximum(SIGNIFICANT * clocks["std"], ALIKE * abs(offset))
     agree = ~apart & (clocks["left"] <= LEFT)
-    return {film: -offset, accelerometer: offset} if agree.mean() > 0.5 else {}
+    if agree.mean() <= 0.5:
+        return {}
+    if _are_on_time(all_clocks.where(is_of_film & ~is_of_accelerometer, drop=True), offset):
+        return {accelerometer: offset}
+    if _are_on_time(all_clocks.where(is_of_accelerometer & ~is_of_film, drop=True), offset):
+        return {film: -offset}
+    return {film: -offset, accelerometer: offset}
+
+
+def _are_on_time(clocks: xr.Dataset, offset: float) -> bool:
+    """Whether there are such checks of clocks, and none can have more than a part of that offset."""
+    most = np.abs(clocks["estimate"]) + SIGNIFICANT * clocks["std"]
+    return bool(clocks.sizes["check"] and (most < ON_TIME * abs(offset)).all())
 
 
 def _worst(checks: xr.Dataset) -> xr.Dataset:

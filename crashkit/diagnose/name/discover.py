@@ -147,11 +147,14 @@ def _concern(waiting: Sequence[Suspect], proposal: Proposal) -> bool:
 def _with_clock(inquiry: Inquiry, late: Mapping[str, float]) -> Discovery | None:
     """A clock that is wrong, and then what all instruments say of the structure once that is right; None if none is."""
     clock = _clock(inquiry, late)
-    return beside_reading(inquiry, clock) if clock.winner else None
+    return beside_reading(inquiry, clock) if clock.winner or len(late) == 1 else None
 
 
 def _clock(inquiry: Inquiry, late: Mapping[str, float]) -> Look:
-    """Which of these clocks is wrong: the model is re-identified with the stamps of one or the other put right."""
+    """Which of these clocks is wrong: the model is re-identified with the stamps of one or the other put right.
+
+    Of a single one kinematics are certain, even where a model that something else is missing from bends to the wrong stamps.
+    """
     workshop, given, current = inquiry.workshop, inquiry.given, inquiry.base.fitted()
     claims = [p for p in propose_all(workshop, current, CLOCK) if p.location["instrument"] in late]
     put_right = {instrument: _put_right(inquiry, instrument, lateness) for instrument, lateness in late.items()}
@@ -161,7 +164,8 @@ def _clock(inquiry: Inquiry, late: Mapping[str, float]) -> Look:
         values = {**put_right[instrument], claim.parameters[0]: late[instrument]}
         misfit = workshop.misfit(given, claim.model).with_values(values)
         fitted.append(Candidate(claim, begin(workshop.identifier, misfit).advance(STEPS)))
-    return Look.of(ranked_by_evidence(fitted, inquiry.base.deviance), current)
+    ranked = ranked_by_evidence(fitted, inquiry.base.deviance)
+    return Look(tuple(ranked[:1]), (1.0,), 0.0, current) if len(late) == 1 else Look.of(ranked, current)
 
 
 def _put_right(inquiry: Inquiry, instrument: str, late: float) -> Mapping[str, float]:

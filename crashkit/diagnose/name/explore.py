@@ -40,6 +40,7 @@ from crashkit.diagnose.name.pace import check_rate
 from crashkit.diagnose.name.pairs import both, named_before_unknown
 from crashkit.diagnose.name.pointed import with_causes_pointed_to
 from crashkit.diagnose.name.rivals import CONCEALED, may_conceal
+from crashkit.diagnose.name.settle import reidentified
 from crashkit.diagnose.name.shown_alone import is_shown_alone
 from crashkit.diagnose.name.simpler import in_fewer_numbers
 from crashkit.diagnose.result import UNKNOWN
@@ -77,6 +78,9 @@ def _near_then_wide(inquiry: Inquiry, near: Look | None) -> Discovery:
         better = alone_again(base, [rival.search.fitted() for rival in near.rivals[:LED]])
         if better.excess < LOCAL_OPTIMUM * base.excess:
             return in_time(_won(base, near), _near_then_wide, evolve(inquiry, base=better), None)
+    if _is_wrong_beside_more(near):
+        # Caught where the model with that error unknown had been driven, it may seem to leave much.
+        near = in_time(near, reidentified, inquiry, near, near.leader)
     if _is_wrong_beside_more(near):
         check_rate(inquiry, near.leader)
         return beside_reading(inquiry, near)

@@ -4,8 +4,18 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from attrs import evolve, field, frozen
 
+from crashkit.diagnose.claims import identity
 from crashkit.diagnose.fitting.couples import Couple
-from crashkit.diagnose.fitting.evidence import UNEXPLAINED, Rival, by_evidence, is_at_noise, is_unknown, one_explains
+from crashkit.diagnose.fitting.evidence import (
+    UNEXPLAINED,
+    Rival,
+    best_forms,
+    by_evidence,
+    is_at_noise,
+    is_unknown,
+    one_explains,
+    ranked_by_evidence,
+)
 from crashkit.diagnose.fitting.in_time import in_time
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.follow import (
@@ -20,7 +30,7 @@ from crashkit.diagnose.name.follow import (
     with_one_more,
 )
 from crashkit.diagnose.name.forms import in_best_forms
-from crashkit.diagnose.name.inquiry import Inquiry
+from crashkit.diagnose.name.inquiry import Inquiry, claims_from_given, open_claims
 from crashkit.diagnose.name.leaders import coupled_leaders, in_other_forms
 from crashkit.diagnose.name.look import FORM_ERRORS, Look, compared, look_again
 from crashkit.diagnose.name.pace import check_pace
@@ -58,6 +68,9 @@ def followed_nearby(inquiry: Inquiry, near: Look) -> Nearby:
     if not known:
         return Nearby(near)
     if known[0].search.excess > FOLLOWED * inquiry.base.excess:
+        freed = in_time(near, _freed, inquiry, near, known[0])
+        if freed is not near:
+            return followed_nearby(inquiry, freed)
         named = in_time(near, _named_instead, inquiry, near, known[0])
         if named is not near:
             return followed_nearby(inquiry, named)
@@ -84,6 +97,20 @@ def _is_pointed_away(near: Look, known: Rival) -> bool:
     least = FOLLOWED * known.search.excess
     elsewhere = [rival for rival in near.rivals if is_unknown(rival) and rival.place != known.place]
     return known.search.normalised > CONCEALED and any(rival.search.excess < least for rival in elsewhere)
+
+
+def _freed(inquiry: Inquiry, near: Look, known: Rival) -> Look:
+    """The look led by the best known cause, if it is followed and leaves less than the estimate that led, once the measured
+    motion leads it from the given values: it may be caught where the model without it had been driven."""
+    table, base = near.leader, inquiry.base
+    if not is_unknown(table):
+        return near
+    claims = [claim for claim in open_claims(inquiry, base.fitted(), []) if identity(claim) == known.identity]
+    forms = claims_from_given(inquiry, base.fitted(), claims).singles
+    ranked = best_forms(by_evidence([*near.rivals, *ranked_by_evidence(forms, base.deviance)]))
+    freed = next(rival for rival in ranked if rival.identity == known.identity)
+    is_first = freed.search.excess < min(table.search.excess, FOLLOWED * base.excess)
+    return compared(near, [freed, *(rival for rival in ranked if rival is not freed)]) if is_first else near
 
 
 def _named_instead(inquiry: Inquiry, near: Look, known: Rival) -> Look:

@@ -46,7 +46,7 @@ def settled(inquiry: Inquiry, look: Look, winner: Rival, found: Sequence[Rival])
     """
     if look.formed is winner.search and not found:
         return look
-    look = _reidentified(inquiry, look, winner)
+    look = reidentified(inquiry, look, winner)
     if is_unknown(look.leader):
         return look
     claims = _challengers(inquiry, look, found)
@@ -83,7 +83,8 @@ def _of_one_number(inquiry: Inquiry, winner: Rival, others: Sequence[Rival], wit
     return [p for p in claims if place_of(p.location) == winner.place and len(p.parameters) == 1 and not p.refined]
 
 
-def _reidentified(inquiry: Inquiry, look: Look, winner: Rival) -> Look:
+def reidentified(inquiry: Inquiry, look: Look, winner: Rival) -> Look:
+    """The look with its winner re-identified, where that leaves something and then less."""
     if explains(winner.search) or is_unknown(winner):
         return look
     found = inquiry.again(winner)

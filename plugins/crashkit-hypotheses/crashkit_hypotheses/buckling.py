@@ -18,7 +18,7 @@ BEFORE = 2.5
 drives its stiffness up, and its plateau then seems to begin early."""
 PASSED = 0.85
 """Of the deformation reached: a peak that is hardly passed shows as a rise alone, which is no peak."""
-FINE = ("pointed", "uneven", "bell", "decaying")
+FINE = ("pointed", "uneven", "bell", "arched", "decaying")
 """Shapes of a peak that have simpler ones which stand in for them."""
 PROPORTIONAL = 0.9
 """Of the largest force per deformation."""
@@ -89,6 +89,7 @@ def _shapes(reached: float, plateau: float, latest: float) -> list[tuple[str, st
         ("pointed", "pointed_peak", flanked),
         ("uneven", "pointed_peak", flanked | {"peak_rise": width}),
         ("bell", "bell_peak", flanked),
+        ("arched", "arched_peak", flanked | {"peak_power": Parameter(1.5, 1.0, 2.0)}),
         ("decaying", "decaying_peak", flanked | {"peak_rise": width}),
     ]
 

@@ -1,6 +1,6 @@
 """The force laws and rate factors that ship with crashkit."""
 
-from crashkit_spring_laws.buckling import BellPeak, DecayingPeak, DippingPeak, Peak, PointedPeak
+from crashkit_spring_laws.buckling import ArchedPeak, BellPeak, DecayingPeak, DippingPeak, Peak, PointedPeak
 from crashkit_spring_laws.crush_plateau import CrushPlateau
 from crashkit_spring_laws.dampers import Viscous, ViscousGrowing, ViscousKnee, ViscousPower, ViscousSaturating
 from crashkit_spring_laws.folding import Folding, FoldingShare
@@ -85,6 +85,7 @@ SPRING_LAWS = (
     Hook,
     Peak,
     PointedPeak,
+    ArchedPeak,
     BellPeak,
     DecayingPeak,
     DippingPeak,
@@ -114,6 +115,7 @@ SPRING_LAWS = (
 
 __all__ = [
     "SPRING_LAWS",
+    "ArchedPeak",
     "BellPeak",
     "BoucWen",
     "Brake",

@@ -82,6 +82,30 @@ class BellPeak(SpringLaw):
         return peak_force * max(0.0, share - (d_max - d) / peak_width)
 
 
+class ArchedPeak(SpringLaw):
+    """The peak of an undeformed member, like an arch: P cos(pi/2 |d_max - peak_deformation| / w)^p, a half sine or a haversine.
+
+    Its near side is no wider than the way to the peak. It comes once, like `peak`, and is released along a slope of
+    pi/2 P over the shorter of its sides, which is no less steep than its flanks.
+    """
+
+    name = "arched_peak"
+    parameters = (
+        *PLACE,
+        ParameterSpec("peak_power", "1", "1: a half sine; 2: a haversine (p)", lower=1.0, upper=2.0, default=1.0),
+    )
+
+    @staticmethod
+    def force(
+        d: float, ddot: float, d_max: float, peak_force: float, peak_deformation: float, peak_width: float, peak_power: float
+    ) -> float:
+        """The force, N, compression positive."""
+        before = min(peak_width, peak_deformation)
+        x = max(0.0, d_max) - peak_deformation
+        share = math.cos(0.5 * math.pi * min(1.0, max(x / peak_width, -x / before))) ** peak_power
+        return peak_force * max(0.0, share - 0.5 * math.pi * (d_max - d) / before)
+
+
 class DecayingPeak(SpringLaw):
     """The peak of an undeformed member that is lost little by little: P exp(-(d_max - peak_deformation) / w) behind it.
 

@@ -11,6 +11,7 @@ from crashkit.testing import SpringLawContract
 from crashkit.testing.spring_law_probe import Probe
 from crashkit_spring_laws import (
     SPRING_LAWS,
+    ArchedPeak,
     BellPeak,
     BoucWen,
     Brake,
@@ -149,6 +150,8 @@ EXAMPLES = [
     (PointedPeak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": 0.2}),
     (PointedPeak, {"peak_force": 5e4, "peak_deformation": 0.2, "peak_width": 0.05, "peak_rise": 0.15}),
     (BellPeak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": 0.06}),
+    (ArchedPeak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": 0.06, "peak_power": 1.0}),
+    (ArchedPeak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": 0.2, "peak_power": 1.7}),
     (DecayingPeak, {"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": 0.06, "peak_rise": 0.02}),
     (DecayingPeak, {"peak_force": 5e4, "peak_deformation": 0.02, "peak_width": 0.06, "peak_rise": 0.1}),
     (BoucWen, {"stiffness": 1e6, "yield_force": 5e4}),
@@ -438,6 +441,14 @@ def test_a_bell_begins_at_nothing():
     forces = [value(BellPeak, d, **shape) for d in (0.0, 0.1, 0.16, 1.0)]
     assert forces == pytest.approx([0.0, 5e4, 5e4 / math.e, 0.0], abs=1e-6)
     assert value(BellPeak, 0.1, d_max=0.5, **shape) == 0.0
+
+
+@pytest.mark.parametrize(("power", "halfway"), [(1.0, math.sqrt(0.5)), (2.0, 0.5)])
+def test_an_arched_peak_is_a_half_sine_or_a_haversine(power, halfway):
+    shape = {"peak_force": 5e4, "peak_deformation": 0.1, "peak_width": 0.1, "peak_power": power}
+    forces = [value(ArchedPeak, d, **shape) for d in (0.0, 0.05, 0.1, 0.15, 0.2, 0.3)]
+    assert forces == pytest.approx([0.0, halfway * 5e4, 5e4, halfway * 5e4, 0.0, 0.0], abs=1e-6)
+    assert value(ArchedPeak, 0.09, d_max=0.1, **shape) == pytest.approx(5e4 * (1.0 - 0.05 * math.pi))
 
 
 def test_a_peak_that_decays_rises_in_a_line_and_is_lost_little_by_little():

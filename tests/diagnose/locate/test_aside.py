@@ -71,6 +71,20 @@ def test_a_clock_is_late_where_most_bodies_say_so(recorded, misfit, model):
     assert late_clocks(xr.concat([front, sensor], "check")) == {}
 
 
+def test_the_clock_that_a_third_instrument_agrees_with_is_right(recorded, misfit, model):
+    def said(**renamed):
+        checks = checked(misfit(model, slow=recorded(model, 0.9, 1)))
+        return checks.assign({what: ("check", [name] * checks.sizes["check"]) for what, name in renamed.items()})
+
+    contradicted = checked(misfit(model, slow=recorded(model, 0.9, 1, accelerometer=late)))
+    of_film = late_clocks(xr.concat([contradicted, said(accelerometer="recorder")], "check"))
+    assert of_film == {"accelerometer": pytest.approx(2e-3, abs=1e-4)}
+    of_accelerometer = late_clocks(xr.concat([contradicted, said(film="second camera")], "check"))
+    assert of_accelerometer == {"film": pytest.approx(-2e-3, abs=1e-4)}
+    of_both = late_clocks(xr.concat([contradicted, said(film="second camera", accelerometer="recorder")], "check"))
+    assert set(of_both) == {"film", "accelerometer"}
+
+
 def test_stamps_are_put_right(recorded, model):
     run = recorded(model)
     right = on_time({"run": run}, "film", 0.0105)["run"]

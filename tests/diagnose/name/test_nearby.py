@@ -237,6 +237,7 @@ def test_else_they_are_not(together, end, other, why):
 @pytest.mark.parametrize(("estimate", "found"), [(1.01, None), (1.3, "two")])
 def test_two_causes_are_not_asked_for_where_an_estimate_at_one_place_leaves_nothing(monkeypatch, estimate, found):
     monkeypatch.setattr(nearby, "_two_at_once", lambda *_: "two")
+    monkeypatch.setattr(nearby, "_freed", lambda inquiry, look, known: look)
     monkeypatch.setattr(nearby, "named_instead", lambda *_: None)
     near = Look((rival_at("nose", "unknown", estimate), rival_at("rails", "clearance", 8.0)), (1.0, 0.0), 0.0, None)
     assert followed_nearby(SimpleNamespace(base=leaving(9.0)), near).found == found
@@ -253,6 +254,7 @@ def test_a_known_cause_at_the_place_of_an_estimate_that_leaves_far_less_than_any
         return Look((tension, look.rivals[1]), (1.0, 0.0), 0.0, None)
 
     monkeypatch.setattr(nearby, "named_instead", named_instead)
+    monkeypatch.setattr(nearby, "_freed", lambda inquiry, look, known: look)
     monkeypatch.setattr(nearby, "_two_at_once", lambda inquiry, look, search: None if search is tension.search else "two")
     monkeypatch.setattr(nearby, "_at_its_best", lambda inquiry, look: (look, look.leader.search))
     monkeypatch.setattr(nearby, "check_pace", lambda *_: None)
@@ -282,3 +284,30 @@ def test_the_best_known_cause_is_not_followed_where_an_estimate_elsewhere_leaves
     monkeypatch.setattr(nearby, "check_pace", lambda *_: None)
     found = followed_nearby(SimpleNamespace(base=leaving(9.0), from_given=claims), near).found
     assert found == ("followed" if is_followed else None)
+
+
+@pytest.mark.parametrize(
+    ("leader", "freed", "is_first", "why"),
+    [
+        ("unknown", 2.0, True, "it was caught"),
+        ("unknown", 3.2, False, "the estimate leaves less"),
+        ("unknown", 3.9, False, "it leaves as much"),
+        ("peak_load", 2.0, False, "no estimate leads"),
+    ],
+)
+def test_the_best_known_cause_is_begun_from_the_given_values_where_an_estimate_leads(monkeypatch, leader, freed, is_first, why):
+    base = SimpleNamespace(fitted=lambda: None, deviance=1000.0, **vars(leaving(5.0)))
+    motion, claims = rival_at("rails", "clearance", 4.0), []
+
+    def claims_from_given(inquiry, current, proposals):
+        claims.extend(proposal.physics for proposal in proposals)
+        return SimpleNamespace(singles=[evolve(rival_at("rails", "clearance", freed), evidence=4900.0 - 100.0 * freed)])
+
+    monkeypatch.setattr(nearby, "open_claims", lambda *_: [motion.proposal, rival_at("nose", "tension", 1.0).proposal])
+    monkeypatch.setattr(nearby, "claims_from_given", claims_from_given)
+    monkeypatch.setattr(nearby, "ranked_by_evidence", lambda ends, deviance: list(ends))
+    near = Look((rival_at("nose", leader, 3.0), motion), (1.0, 0.0), 0.0, None)
+    told = nearby._freed(SimpleNamespace(base=base), near, motion)
+    assert (told is not near) == is_first, why
+    if is_first:
+        assert (told.leader.search.normalised, claims) == (freed, ["clearance"])

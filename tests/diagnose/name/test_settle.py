@@ -40,7 +40,7 @@ def test_a_winner_that_explains_everything_is_left_as_it_is(workshop, inquiry, o
 
 def test_a_first_winner_that_was_settled_and_asked_in_all_forms_is_not_again(inquiry, offered, monkeypatch):
     look, base, _ = offered(800.0)
-    monkeypatch.setattr(settle, "_reidentified", lambda *_: pytest.fail("it was settled"))
+    monkeypatch.setattr(settle, "reidentified", lambda *_: pytest.fail("it was settled"))
     asked = evolve(look, formed=look.leader.search)
     assert settled(inquiry(base), asked, asked.leader, []) is asked
     with pytest.raises(pytest.fail.Exception, match="it was settled"):
@@ -163,7 +163,7 @@ def test_what_leaves_hardly_more_at_its_place_is_asked_in_all_its_forms(
         return [Candidate(rival.proposal, final)] if rival is plain else []
 
     monkeypatch.setattr(settle, "in_all_forms", in_all_forms)
-    monkeypatch.setattr(settle, "_reidentified", lambda inquiry, look, winner: look)
+    monkeypatch.setattr(settle, "reidentified", lambda inquiry, look, winner: look)
     monkeypatch.setattr(settle, "_challengers", lambda inquiry, look, found: [])
     told = settled(inquiry(base), evolve(look, rivals=(winner, plain)), winner, [])
     assert asked == ([FRICTION, "viscous_damping"] if is_asked else [])
