@@ -82,6 +82,18 @@ class ChannelFilter:
         return padded[: len(samples)].reshape(samples.shape)
 
 
+def since_contact(at: np.ndarray) -> np.ndarray:
+    """Instants, s, of the samples that a record which begins after t = 0 lacks, and a filter, or a mount, remembers.
+
+    Arguments:
+        at: s, evenly spaced instants of its samples.
+    """
+    if len(at) < 2 or at[0] <= 0.0:
+        return np.empty(0)
+    interval = (at[-1] - at[0]) / (len(at) - 1)
+    return at[0] - interval * np.arange(np.ceil(at[0] / interval), 0.0, -1.0)
+
+
 def correlation_samples(cfc: float, interval: float) -> float:
     """How many samples of filtered white noise count as one independent sample, for signals slower than the class.
 

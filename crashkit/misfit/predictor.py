@@ -12,7 +12,7 @@ from crashkit.mechanics.kernel.arrays import Floats, Integers, Record
 from crashkit.mechanics.repeated_run import RepeatedRun
 from crashkit.misfit.channel import Channel, Group
 from crashkit.misfit.observed import predicted_by, values_of
-from crashkit.misfit.readout import Readout, knows_what_is_shown, readout_of
+from crashkit.misfit.readout import Readout, instants_of, knows_what_is_shown, readout_of
 from crashkit.misfit.turning_readout import TurningReadout
 from crashkit.model import Model
 from crashkit.protocols import SensorErrors
@@ -51,7 +51,7 @@ class Predictor:
         self._columns = [self.names.index(name) for name in self._structural]
         self._fixed = _moved(model, simulator.model)
         self._initial = {run: initial_state(recording, model) for run, recording in recordings.items()}
-        stamps = {run: [group.times for group in self.groups if group.run == run] for run in recordings}
+        stamps = {run: [instants_of(group) for group in self.groups if group.run == run] for run in recordings}
         self._times = {run: _instants(times, _clock_margin(model, times)) for run, times in stamps.items()}
 
     @property

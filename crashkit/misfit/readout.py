@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from attrs import evolve, frozen
 
-from crashkit.data.channel_filter import ChannelFilter, frequency_class
+from crashkit.data.channel_filter import ChannelFilter, frequency_class, since_contact
 from crashkit.mechanics import Simulator
 from crashkit.mechanics.kernel.arrays import Floats, Integers, Record
 from crashkit.mechanics.repeated_run import FORCE, entry_of, supports_of
@@ -21,6 +21,7 @@ class Readout:
 
     Arguments:
         rows: of the record, one for each time stamp, a slice where they are evenly spread; the first for those before contact.
+        remembered: how many of them, the first, are of no sample, but of what a filter remembers since contact.
         entries: of the record, one for each channel; of a full one, or of one that holds what is `wanted`.
         unfelt: for each channel, what the entry counts that the instrument does not feel: other entries, and times what.
         rates: the entries of their rates, where the motion before contact changes them.
@@ -33,6 +34,7 @@ class Readout:
     """
 
     rows: Integers | slice
+    remembered: int
     entries: Integers
     unfelt: Sequence[Mapping[int, float]]
     rates: Integers
@@ -62,7 +64,7 @@ class Readout:
     def sensitivity(self, record: Record) -> Floats:
         """(time, channel, column)."""
         if record.tangents.shape[2] == 0:
-            return np.zeros((self.nodes[self.rows].size, len(self.entries), 0))
+            return np.zeros((self.nodes[self.rows].size - self.remembered, len(self.entries), 0))
         return self._read(record.tangents)
 
     def misread(self, record: Record, errors: SensorErrors, wanted: Sequence[str], sensitivities: bool) -> Misread:
@@ -92,7 +94,7 @@ class Readout:
             shown[:before] = 0.0
         elif before and self.rates.size:
             shown[:before] += self.early.reshape(-1, *(1,) * (shown.ndim - 1)) * record[0, self.rates]
-        return self.filter.filtered(shown, 0.0) if self.filter else shown
+        return self.filter.filtered(shown, 0.0)[self.remembered :] if self.filter else shown
 
 
 def knows_what_is_shown(group: Group, wrong: Collection[str], axes: set[str]) -> bool:
@@ -115,7 +117,7 @@ def readout_of(
     Arguments:
         group: of the recording.
         simulator: whose record is read.
-        nodes: s, times of the record; they hold 0 and every later time stamp to within `tolerance`, s.
+        nodes: s, times of the record; they hold 0 and all later instants of the group to within `tolerance`, s.
         turning: whether the bodies of the model may turn.
         is_misread: whether it is asked what the instrument misreads.
     """
@@ -124,11 +126,12 @@ def readout_of(
     reading = group.observer.reading(group.dataset, turning)
     if reading is None or group.times.max(initial=0.0) > nodes[-1] + tolerance:
         return None
-    rows = _as_slice(np.searchsorted(nodes, np.maximum(group.times - tolerance, 0.0)))
-    early, cfc = group.times[group.times < 0.0], frequency_class(group.dataset)
+    times, cfc = instants_of(group), frequency_class(group.dataset)
+    rows, remembered = _as_slice(np.searchsorted(nodes, np.maximum(times - tolerance, 0.0))), len(times) - len(group.times)
+    early = times[times < 0.0]
     filter = ChannelFilter.of(group.times, cfc) if cfc and len(group.times) > 1 else None
     if isinstance(reading, TurningReading):
-        return turning_readout_of(reading, simulator, rows, early, filter, nodes, group.observer, group.dataset)
+        return turning_readout_of(reading, simulator, rows, remembered, early, filter, nodes, group.observer, group.dataset)
     places = list(zip(reading.bodies, reading.axes, strict=True))
     entries = [entry_of(simulator, reading.quantity, body, axis) for body, axis in places]
     if None in entries:
@@ -137,6 +140,7 @@ def readout_of(
     rates = [entry_of(simulator, "velocity", body, axis) for body, axis in places] if has_rates else []
     return Readout(
         rows=rows,
+        remembered=remembered,
         entries=np.array(entries, int),
         unfelt=[supports_of(simulator, body) for body, _ in places] if reading.quantity == FORCE else [],
         rates=np.array(rates, int),
@@ -148,6 +152,11 @@ def readout_of(
         instrument=group.dataset,
         nodes=nodes,
     )
+
+
+def instants_of(group: Group) -> Floats:
+    """When a group is read, s: at its time stamps, and before those since contact where a filter remembers that."""
+    return np.concatenate([since_contact(group.times), group.times]) if frequency_class(group.dataset) else group.times
 
 
 def _as_slice(rows: Integers) -> Integers | slice:

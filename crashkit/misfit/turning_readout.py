@@ -27,6 +27,7 @@ class TurningReadout:
     Arguments:
         quantity: of `TurningReading`.
         rows: of the record, one for each time stamp; the first for those before contact.
+        remembered: how many of them, the first, are of no sample, but of what a filter remembers since contact.
         early: (time stamp,) s, of those before contact.
         filter: of the channels, if they are filtered.
         entries: by kind of motion (channel, 3), of the record: along both axes, and about their normal; as of `Readout`.
@@ -39,6 +40,7 @@ class TurningReadout:
 
     quantity: str
     rows: Integers | slice
+    remembered: int
     early: Floats
     filter: ChannelFilter | None
     entries: dict[str, Integers]
@@ -66,7 +68,7 @@ class TurningReadout:
     def sensitivity(self, record: Record) -> Floats:
         """(time, channel, column)."""
         if record.tangents.shape[2] == 0:
-            return np.zeros((self.nodes[self.rows].size, len(self.along), 0))
+            return np.zeros((self.nodes[self.rows].size - self.remembered, len(self.along), 0))
         table, changes = record.values[self.rows], record.tangents[self.rows]
         is_place = self.quantity == "position"
         return self._shown(self._going_on_slope(table, changes) if is_place else self._felt_slope(table, changes))
@@ -88,7 +90,7 @@ class TurningReadout:
     def _shown(self, readings: Floats) -> Floats:
         if self.quantity == "acceleration":
             readings[: len(self.early)] = 0.0
-        return self.filter.filtered(readings, 0.0) if self.filter else readings
+        return self.filter.filtered(readings, 0.0)[self.remembered :] if self.filter else readings
 
     def _along(self, table: Floats, kind: str) -> Floats:
         """A motion of the bodies along the axis of each channel, (time, channel) or with a last dim of columns."""
@@ -177,6 +179,7 @@ def turning_readout_of(
     reading: TurningReading,
     simulator: Simulator,
     rows: Integers | slice,
+    remembered: int,
     early: Floats,
     filter: ChannelFilter | None,
     nodes: Floats,
@@ -187,7 +190,7 @@ def turning_readout_of(
 
     Arguments:
         simulator: whose record is read.
-        rows, early, filter, nodes, observer, instrument: as of `TurningReadout`.
+        rows, remembered, early, filter, nodes, observer, instrument: as of `TurningReadout`.
     """
     axes = simulator.model.axes
     if len(axes) != 2 or not set(reading.channels) <= set(axes):
@@ -202,5 +205,16 @@ def turning_readout_of(
     points[:, [axes.index(axis) for axis in reading.axes]] = reading.points
     along = np.array([axes.index(axis) for axis in reading.channels])
     return TurningReadout(
-        reading.quantity, rows, early, filter, entries, along, points, reading.own_axes, nodes, observer, instrument
+        reading.quantity,
+        rows,
+        remembered,
+        early,
+        filter,
+        entries,
+        along,
+        points,
+        reading.own_axes,
+        nodes,
+        observer,
+        instrument,
     )

@@ -8,7 +8,7 @@ import xarray as xr
 from attrs import frozen
 from xarray.core.indexing import LazilyIndexedArray
 
-from crashkit.data.channel_filter import frequency_class
+from crashkit.data.channel_filter import frequency_class, since_contact
 from crashkit.data.instrument_errors import error_values, positions, prediction_coordinates, true_times
 from crashkit.errors import CrashkitError
 from crashkit.protocols import Misread, Observer, Reading, SensorErrors, Shown
@@ -116,37 +116,43 @@ class Channels:
     def values(self) -> tuple[np.ndarray, np.ndarray | None]:
         """The readings and their derivatives to the model's parameters, NaN where the motion does not tell of them."""
         mixing, _ = directions(self.own, self.axes, self.felt.axes)
-        at, known = self._at()
+        at, stamps, known = self._at()
         value = self.felt.sampled(self.felt.values, mixing, at)[..., 0]
         model = None if self.felt.sensitivity is None else self.felt.sampled(self.felt.sensitivity, mixing, at)
-        chain = self._through(Chain(value, None, model, self._flat(), self.times[known]))
+        chain = self._through(Chain(value, None, model, self._flat(), stamps))
         return self._padded(chain.value, known), None if chain.model is None else self._padded(chain.model, known)
 
     def by_errors(self, names: tuple[str, ...]) -> np.ndarray:
         """The derivatives to these errors, (time, sensor, axis, error)."""
         if not names:
             return np.zeros((len(self.times), *self.own["gain"].shape, 0))
-        felt, (at, known) = self.felt, self._at()
+        felt, (at, stamps, known) = self.felt, self._at()
         mixing, by_direction = directions(self.own, self.axes, felt.axes)
         errors = {n: felt.sampled(felt.values, change, at)[..., 0] for n, change in by_direction.items() if n in names}
         if "clock_offset" in names or "clock_rate" in names:
             lateness = self._lateness(mixing, at)
-            errors |= {"clock_offset": lateness, "clock_rate": self.times[known][:, None] * lateness}
+            errors |= {"clock_offset": lateness, "clock_rate": stamps[:, None] * lateness}
         if felt.by_point is not None:
             by_point = felt.sampled(felt.by_point, mixing, at)
             errors |= {f"position_{axis}": by_point[..., index] for index, axis in enumerate(AXES)}
         value = felt.sampled(felt.values, mixing, at)[..., 0]
-        chain = self._through(Chain(value, errors, None, self._flat(), self.times[known], names))
+        chain = self._through(Chain(value, errors, None, self._flat(), stamps, names))
         table = np.zeros((len(names), len(self.times), *self.own["gain"].shape))
         for name, column in (chain.errors or {}).items():
-            table[names.index(name), known] = column.reshape(-1, *table.shape[2:])
+            own = table[names.index(name), known]
+            own[...] = column[len(column) - len(own) :].reshape(own.shape)
         return np.moveaxis(table, 0, -1)
 
-    def _at(self) -> tuple[np.ndarray, slice]:
-        """When the samples were taken of which the motion tells, and which they are."""
+    def _at(self) -> tuple[np.ndarray, np.ndarray, slice]:
+        """When the samples were taken of which the motion tells, their stamps, and which they are.
+
+        Those of a record that begins after contact are behind as many as it lacks, which filters and mounts remember.
+        """
         at = true_times(self.times, self.own)
         known = self.felt.known(at)
-        return at[known], known
+        at, stamps = at[known], self.times[known]
+        lacking = since_contact(at)
+        return np.concatenate([lacking, at]), np.concatenate([stamps[:1] + (lacking - at[:1]), stamps]), known
 
     def _lateness(self, mixing: np.ndarray, at: np.ndarray) -> np.ndarray:
         """What a later clock changes: minus the rate, over one sample's width, as it jumps at the nodes."""
@@ -164,11 +170,9 @@ class Channels:
         return chain
 
     def _padded(self, columns: np.ndarray, known: slice) -> np.ndarray:
-        shape = (len(self.times), *self.own["gain"].shape, *columns.shape[2:])
-        if len(columns) == len(self.times):
-            return columns.reshape(shape)
-        padded = np.full(shape, np.nan)
-        padded[known] = columns.reshape(-1, *shape[1:])
+        padded = np.full((len(self.times), *self.own["gain"].shape, *columns.shape[2:]), np.nan)
+        told = padded[known]
+        told[...] = columns[len(columns) - len(told) :].reshape(told.shape)
         return padded
 
 

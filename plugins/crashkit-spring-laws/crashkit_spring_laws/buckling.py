@@ -83,7 +83,7 @@ class BellPeak(SpringLaw):
 
 
 class ArchedPeak(SpringLaw):
-    """The peak of an undeformed member, like an arch: P cos(pi/2 |d_max - peak_deformation| / w)^p, a half sine or a haversine.
+    """The peak of an undeformed member, a half sine or a haversine: P cos(pi/2 |d_max - peak_deformation| / w)^p.
 
     Its near side is no wider than the way to the peak. It comes once, like `peak`, and is released along a slope of
     pi/2 P over the shorter of its sides, which is no less steep than its flanks.

@@ -295,7 +295,9 @@ def test_the_best_known_cause_is_not_followed_where_an_estimate_elsewhere_leaves
         ("peak_load", 2.0, False, "no estimate leads"),
     ],
 )
-def test_the_best_known_cause_is_begun_from_the_given_values_where_an_estimate_leads(monkeypatch, leader, freed, is_first, why):
+def test_the_best_known_cause_is_begun_from_the_given_values_where_an_estimate_leads(
+    monkeypatch, leader, freed, is_first, why
+):
     base = SimpleNamespace(fitted=lambda: None, deviance=1000.0, **vars(leaving(5.0)))
     motion, claims = rival_at("rails", "clearance", 4.0), []
 
