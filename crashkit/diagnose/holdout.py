@@ -12,7 +12,7 @@ from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.fitting.sharpen import in_the_light_of, weighed_alike
 from crashkit.diagnose.fitting.thresholds import wakened
 from crashkit.diagnose.name.follow import LEAST_THIRD, TRACE, Discovery
-from crashkit.diagnose.name.look import Look
+from crashkit.diagnose.name.look import Look, is_exact
 from crashkit.diagnose.workshop import Workshop
 from crashkit.model import Model
 
@@ -45,10 +45,10 @@ def fitted_together(
 
 
 def is_contradicted(discovery: Discovery, together: Search) -> bool:
-    """Whether no values of what was found explain all runs. Where nothing was found there is no form that may be off, and more
-    than chance leaves says that something is missing. Of a finding, only channels whose noise is told are witnesses, and it
-    may leave of them what no further one would be told for."""
-    if not discovery.findings:
+    """Whether no values of what was found explain all runs. Where nothing was found, or but one number of an instrument, there
+    is no form that may be off, and more than chance leaves says that something is missing. Of other findings, only channels
+    whose noise is told are witnesses, and they may leave of them what no further one would be told for."""
+    if all(is_exact(look.leader.proposal) for look in discovery.findings):
         return not is_at_noise(together)
     base, left = (normalised(misfit, told_only=True) for misfit in (discovery.base, together.fitted()))
     share = TRACE if len(discovery.findings) == 1 else LEAST_THIRD

@@ -6,6 +6,15 @@ import pytest
 
 from crashkit.diagnose import holdout
 from crashkit.diagnose.holdout import is_contradicted
+from crashkit.protocols import Proposal
+
+
+def finding(physics, location, *numbers):
+    return SimpleNamespace(leader=SimpleNamespace(proposal=Proposal(physics, "", location, None, numbers, {})))
+
+
+LAW = finding("bottoming", {"joint": "rail"}, "stiffness", "begin")
+CLOCK = finding("clock_offset", {"instrument": "load cell"}, "clock_offset")
 
 
 @pytest.fixture
@@ -13,7 +22,7 @@ def contradicted(monkeypatch):
     """Whether a finding is contradicted where a model without it left so much, and all runs with it leave so much."""
     monkeypatch.setattr(holdout, "normalised", lambda misfit, told_only: misfit if told_only else 1.0)
 
-    def asked(base, together, findings=("one",)):
+    def asked(base, together, findings=(LAW,)):
         return is_contradicted(SimpleNamespace(findings=findings, base=base), SimpleNamespace(fitted=lambda: together))
 
     return asked
@@ -28,5 +37,13 @@ def test_a_trace_of_what_is_gross_contradicts_nothing(contradicted):
     """No further finding could be told for so little."""
     assert not contradicted(18.0, 1.3)
     assert contradicted(18.0, 1.6)
-    assert not contradicted(18.0, 1.6, findings=("one", "another"))
-    assert contradicted(18.0, 1.9, findings=("one", "another"))
+    assert not contradicted(18.0, 1.6, findings=(LAW, CLOCK))
+    assert contradicted(18.0, 1.9, findings=(LAW, CLOCK))
+
+
+def test_one_number_of_an_instrument_has_no_form_that_may_be_off(contradicted, monkeypatch):
+    """However gross it was, more than chance leaves of all runs says that something else is missing."""
+    for is_at_noise in (False, True):
+        monkeypatch.setattr(holdout, "is_at_noise", lambda search, told=is_at_noise: told)
+        assert contradicted(18.0, 1.1, findings=(CLOCK,)) != is_at_noise
+        assert not contradicted(18.0, 1.1, findings=(LAW,))

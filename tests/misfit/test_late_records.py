@@ -7,7 +7,6 @@ from crashkit.misfit import Misfit
 from crashkit.model import Parameter
 from crashkit.model.edit import with_instrument_error
 from crashkit.registry import load
-from crashkit.testing import toys
 
 INTERVAL = 2e-4
 """s, between samples."""

@@ -15,10 +15,12 @@ from crashkit.diagnose.fitting.evidence import (
     rival_of,
 )
 from crashkit.diagnose.fitting.search import Search
+from crashkit.diagnose.name.explore import beside_reading
 from crashkit.diagnose.name.follow import Discovery, followed, is_estimated, leave_no_third
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Look, compared, led, look_again
+from crashkit.diagnose.name.look import Look, compared, is_exact, led, look_again
+from crashkit.diagnose.name.pace import check_rate
 from crashkit.diagnose.name.rivals import CONCEALED
 
 MOST = 3
@@ -27,7 +29,8 @@ MOST = 3
 
 def asked_first(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery | None:
     """What these looks say of all runs, if it explains everything: the rivals of a single one, or the findings of several in
-    other forms, which may leave too little for another to be told.
+    other forms, which may leave too little for another to be told. Beside one number of an instrument, what the structure
+    lacks is asked at once.
 
     Arguments:
         inquiry: into all runs.
@@ -36,6 +39,8 @@ def asked_first(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery | None:
     if len(looks) > 1:
         return _in_other_forms(inquiry, looks)
     rivals = [rival for look in looks for rival in look.rivals]
+    if rivals and is_exact(rivals[0].proposal):
+        return _beside_number(inquiry, looks[0])
     return _second_best(inquiry, rivals)
 
 
@@ -58,6 +63,17 @@ def _with_all_runs(inquiry: Inquiry, look: Look, claims: Sequence[Rival], search
     without = inquiry.fit_with(others, search) or inquiry.base
     again = rival_of(finding.proposal, search, without.deviance)
     return compared(evolve(look, before=without.fitted(), couples=()), [again])
+
+
+def _beside_number(inquiry: Inquiry, look: Look) -> Discovery | None:
+    """What all runs say beside one number of an instrument, which has no other form."""
+    claim = look.leader
+    search = inquiry.fit_with([claim], claim.search)
+    if search is None:
+        return None
+    again = rival_of(claim.proposal, search, inquiry.base.deviance)
+    check_rate(inquiry, again)
+    return beside_reading(inquiry, look.led_by(again))
 
 
 def _second_best(inquiry: Inquiry, rivals: Sequence[Rival]) -> Discovery | None:

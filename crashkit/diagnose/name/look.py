@@ -140,11 +140,11 @@ def least_drop(found: Sequence[Rival]) -> float:
     """What a further finding must explain, in chi squared."""
     if not found:
         return LEAST_DROP
-    explained = sum(rival.drop * (EXACT if _is_exact(rival.proposal) else 1.0) for rival in found)
+    explained = sum(rival.drop * (EXACT if is_exact(rival.proposal) else 1.0) for rival in found)
     return max(LEAST_DROP, FORM_ERRORS[min(len(found), len(FORM_ERRORS)) - 1] * explained)
 
 
-def _is_exact(proposal: Proposal) -> bool:
+def is_exact(proposal: Proposal) -> bool:
     """Whether it is one number of an instrument."""
     return accuses_instrument(proposal) and len(proposal.parameters) == 1
 

@@ -142,6 +142,21 @@ def test_where_all_is_asked_again_and_the_time_ends_that_the_first_answer_stands
     assert "the time for questions was up" in answer.summary
 
 
+def test_where_the_second_asking_explains_everything_when_the_time_ends_it_stands(clock, damped, monkeypatch):
+    monkeypatch.setattr(diagnosis, "fitted_together", lambda workshop, discovery, *_: discovery.search)
+    monkeypatch.setattr(diagnosis, "is_contradicted", lambda *_: True)
+    told = []
+
+    def ends_with_the_forms_of_the_second_answer(doing, share):
+        told.append(doing)
+        clock.now += doing.startswith("fitting all forms") and told.count("re-identifying the model") == 2
+
+    answer = damped(0.5, ends_with_the_forms_of_the_second_answer, is_held_out=True)
+    assert [finding.physics for finding in answer.findings] == ["viscous_damping"]
+    assert "it was fitted too" in answer.summary and not answer.fits["holdout"]
+    assert "the time for questions was up" in answer.summary
+
+
 def test_without_a_limit_everything_is_asked(clock, damped):
     def slowly(doing, share):
         clock.now += 1e6
