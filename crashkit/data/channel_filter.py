@@ -91,7 +91,7 @@ def since_contact(at: np.ndarray) -> np.ndarray:
     if len(at) < 2 or at[0] <= 0.0:
         return np.empty(0)
     interval = (at[-1] - at[0]) / (len(at) - 1)
-    return at[0] - interval * np.arange(np.ceil(at[0] / interval), 0.0, -1.0)
+    return at[0] - interval * np.arange(np.ceil(at[0] / interval - UNIFORMITY), 0.0, -1.0)
 
 
 def correlation_samples(cfc: float, interval: float) -> float:

@@ -97,11 +97,10 @@ def late_clocks(checks: xr.Dataset) -> dict[str, float]:
     agree = ~apart & (clocks["left"] <= LEFT)
     if agree.mean() <= 0.5:
         return {}
-    if _are_on_time(all_clocks.where(is_of_film & ~is_of_accelerometer, drop=True), offset):
-        return {accelerometer: offset}
-    if _are_on_time(all_clocks.where(is_of_accelerometer & ~is_of_film, drop=True), offset):
-        return {film: -offset}
-    return {film: -offset, accelerometer: offset}
+    others = {film: is_of_film & ~is_of_accelerometer, accelerometer: is_of_accelerometer & ~is_of_film}
+    right = {one for one, checked in others.items() if _are_on_time(all_clocks.where(checked, drop=True), offset)}
+    both = {film: -offset, accelerometer: offset}
+    return both if len(right) == 2 else {one: late for one, late in both.items() if one not in right}
 
 
 def _are_on_time(clocks: xr.Dataset, offset: float) -> bool:
