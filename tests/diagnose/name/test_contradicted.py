@@ -55,6 +55,17 @@ def test_without_rivals_too(contradicted):
     assert contradicted() is None
 
 
+def test_beside_one_number_of_an_instrument_the_structure_is_asked_at_once(monkeypatch):
+    clock = Proposal("clock_offset", "constant", {"instrument": "load cell"}, None, ("clock_offset",), {})
+    misfit = SimpleNamespace(independent_samples=1000.0)
+    fit = SimpleNamespace(deviance=1200.0, excess=0.2, misfit=misfit)
+    monkeypatch.setattr(asking, "check_rate", lambda *_: None)
+    monkeypatch.setattr(asking, "beside_reading", lambda inquiry, look: look.leader)
+    inquiry = SimpleNamespace(base=SimpleNamespace(deviance=5000.0), fit_with=lambda claims, last: fit)
+    told = asked_first(inquiry, (Look((Rival(clock, None, 100.0, 50.0),), (1.0,), 0.0, None),))
+    assert (told.search, told.drop) == (fit, 3800.0)
+
+
 @pytest.fixture
 def refound(workshop, inquiry, model, misfit, recorded):
     """Two findings of a slow run, one in a form that is off, and what is said of them beside a faster run."""

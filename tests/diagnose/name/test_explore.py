@@ -14,7 +14,7 @@ from crashkit.diagnose.name.explore import _cheaper, _is_confirmed, _is_wrong_be
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look
-from crashkit.diagnose.name.nearby import _is_most
+from crashkit.diagnose.name.nearby import Nearby, _is_most
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_joint
 from crashkit.protocols import Proposal
@@ -154,6 +154,22 @@ def test_an_instrument_is_put_right_first_where_much_more_is_left():
     assert not _is_wrong_beside_more(leaving(1.1, "gain_error", SENSOR))
     assert not _is_wrong_beside_more(leaving(3.0))
     assert not _is_wrong_beside_more(Look((), (), 1.0, None))
+
+
+@pytest.mark.parametrize(("again", "then"), [(1.1, "followed"), (2.5, "put right")])
+def test_an_instrument_is_re_identified_before_more_is_sought_beside_it(monkeypatch, again, then):
+    """From where the model without its error had been driven, it may seem to leave much."""
+    for name in ("with_pulses", "with_causes_pointed_to"):
+        monkeypatch.setattr(explore, name, lambda inquiry, near: near)
+    monkeypatch.setattr(explore, "reidentified", lambda *_: leaving(again, "gain_error", SENSOR))
+    monkeypatch.setattr(explore, "check_rate", lambda *_: None)
+    monkeypatch.setattr(explore, "may_conceal", lambda misfit: True)
+    monkeypatch.setattr(explore, "_suffices", lambda found, base: True)
+    monkeypatch.setattr(explore, "followed_nearby", lambda inquiry, near: Nearby(near, ("followed", near)))
+    monkeypatch.setattr(explore, "beside_reading", lambda inquiry, near: ("put right", near))
+    inquiry = SimpleNamespace(base=SimpleNamespace(normalised=1.2, fitted=lambda: None))
+    told, near = explore._near_then_wide(inquiry, leaving(3.0, "gain_error", SENSOR))
+    assert (told, near.leader.search.normalised) == (then, again)
 
 
 @pytest.mark.parametrize(
