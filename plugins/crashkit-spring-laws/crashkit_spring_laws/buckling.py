@@ -83,7 +83,7 @@ class BellPeak(SpringLaw):
 
 
 class ArchedPeak(SpringLaw):
-    """The peak of an undeformed member, a half sine or a haversine: P cos(pi/2 |d_max - peak_deformation| / w)^p.
+    """The peak of an undeformed member, a half sine or a haversine: P sin(pi/2 (1 - |d_max - peak_deformation| / w))^p.
 
     Its near side is no wider than the way to the peak. It comes once, like `peak`, and is released along a slope of
     pi/2 P over the shorter of its sides, which is no less steep than its flanks.
@@ -102,7 +102,7 @@ class ArchedPeak(SpringLaw):
         """The force, N, compression positive."""
         before = min(peak_width, peak_deformation)
         x = max(0.0, d_max) - peak_deformation
-        share = math.cos(0.5 * math.pi * min(1.0, max(x / peak_width, -x / before))) ** peak_power
+        share = math.sin(0.5 * math.pi * max(0.0, 1.0 - max(x / peak_width, -x / before))) ** peak_power
         return peak_force * max(0.0, share - 0.5 * math.pi * (d_max - d) / before)
 
 
