@@ -90,16 +90,16 @@ def late_clocks(checks: xr.Dataset) -> dict[str, float]:
         return {}
     plainest = late.isel(check=int((late["sigma"] / late["left"]).values.argmax()))
     film, accelerometer, offset = (plainest[name].item() for name in ("film", "accelerometer", "estimate"))
-    all_clocks = checks.where(checks["error"] == CLOCK, drop=True)
-    is_of_film, is_of_accelerometer = all_clocks["film"] == film, all_clocks["accelerometer"] == accelerometer
-    clocks = all_clocks.where(is_of_film & is_of_accelerometer, drop=True)
+    of_clocks = checks.where(checks["error"] == CLOCK, drop=True)
+    is_of_film, is_of_accelerometer = of_clocks["film"] == film, of_clocks["accelerometer"] == accelerometer
+    clocks = of_clocks.where(is_of_film & is_of_accelerometer, drop=True)
     apart = np.abs(clocks["estimate"] - offset) > np.maximum(SIGNIFICANT * clocks["std"], ALIKE * abs(offset))
     agree = ~apart & (clocks["left"] <= LEFT)
     if agree.mean() <= 0.5:
         return {}
-    others = {film: is_of_film & ~is_of_accelerometer, accelerometer: is_of_accelerometer & ~is_of_film}
-    right = {one for one, checked in others.items() if _are_on_time(all_clocks.where(checked, drop=True), offset)}
     both = {film: -offset, accelerometer: offset}
+    by_others = {film: is_of_film & ~is_of_accelerometer, accelerometer: is_of_accelerometer & ~is_of_film}
+    right = {one for one, checked in by_others.items() if _are_on_time(of_clocks.where(checked, drop=True), offset)}
     return both if len(right) == 2 else {one: late for one, late in both.items() if one not in right}
 
 

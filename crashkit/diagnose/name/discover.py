@@ -147,7 +147,8 @@ def _concern(waiting: Sequence[Suspect], proposal: Proposal) -> bool:
 def _with_clock(inquiry: Inquiry, late: Mapping[str, float]) -> Discovery | None:
     """A clock that is wrong, and then what all instruments say of the structure once that is right; None if none is."""
     clock = _clock(inquiry, late)
-    return beside_reading(inquiry, clock) if clock.winner or len(late) == 1 else None
+    is_certain = len(late) == 1 and clock.rivals
+    return beside_reading(inquiry, clock) if clock.winner or is_certain else None
 
 
 def _clock(inquiry: Inquiry, late: Mapping[str, float]) -> Look:

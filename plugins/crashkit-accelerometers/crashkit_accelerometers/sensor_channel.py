@@ -146,7 +146,7 @@ class Channels:
     def _at(self) -> tuple[np.ndarray, np.ndarray, slice]:
         """When the samples were taken of which the motion tells, their stamps, and which they are.
 
-        Those of a record that begins after contact are behind as many as it lacks, which filters and mounts remember.
+        A record that begins after contact is preceded by the samples that it lacks, which filters and mounts remember.
         """
         at = true_times(self.times, self.own)
         known = self.felt.known(at)
@@ -170,9 +170,14 @@ class Channels:
         return chain
 
     def _padded(self, columns: np.ndarray, known: slice) -> np.ndarray:
-        padded = np.full((len(self.times), *self.own["gain"].shape, *columns.shape[2:]), np.nan)
-        told = padded[known]
-        told[...] = columns[len(columns) - len(told) :].reshape(told.shape)
+        """The columns of the samples that are known, without those before them, and NaN for the others."""
+        shape = *self.own["gain"].shape, *columns.shape[2:]
+        count = known.stop - known.start
+        told = columns[len(columns) - count :].reshape(count, *shape)
+        if count == len(self.times):
+            return told
+        padded = np.full((len(self.times), *shape), np.nan)
+        padded[known] = told
         return padded
 
 

@@ -161,8 +161,12 @@ def test_what_leaves_something_beside_a_finding_of_those_that_agree_is_told_as_i
     assert discover._with_more(None, told) is told
 
 
-@pytest.mark.parametrize(("late", "told"), [({"recorder": 1e-3}, "beside"), ({"recorder": 1e-3, "film": -1e-3}, None)])
-def test_a_single_late_clock_is_put_right_whatever_a_model_that_lacks_more_says(monkeypatch, late, told):
-    monkeypatch.setattr(discover, "_clock", lambda *_: Look((), (), 1.0, None))
+ONE, TWO = {"recorder": 1e-3}, {"recorder": 1e-3, "film": -1e-3}
+
+
+@pytest.mark.parametrize(("late", "rivals", "told"), [(ONE, ("clock",), "beside"), (ONE, (), None), (TWO, ("clock",), None)])
+def test_a_single_late_clock_is_put_right_whatever_a_model_that_lacks_more_says(monkeypatch, late, rivals, told):
+    """If a hypothesis speaks of it."""
+    monkeypatch.setattr(discover, "_clock", lambda *_: Look(rivals, (1.0,), 1.0, None))
     monkeypatch.setattr(discover, "beside_reading", lambda inquiry, clock: "beside")
     assert discover._with_clock(None, late) == told
