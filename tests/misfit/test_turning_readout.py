@@ -34,8 +34,8 @@ def swinging() -> Model:
     return Model("swinging", ("x", "z"), (wall, bob), (rod,))
 
 
-def instrument(quantity, channel, std, units, axes, **attributes):
-    """One channel off the centre of the body, in some axes."""
+def instrument(quantity, channel, std, units, axes, begins=-BEFORE, **attributes):
+    """One channel off the centre of the body, in some axes, from a time on, s."""
     return xr.DataTree(
         xr.Dataset(
             {
@@ -44,7 +44,7 @@ def instrument(quantity, channel, std, units, axes, **attributes):
                 f"{channel}_point": ((channel, "axis"), [[POINTS[axis] for axis in axes]], {"units": "m"}),
                 f"{quantity}_std": (channel, [std], {"units": units}),
             },
-            {"time": ("time", INSTANTS - BEFORE, {"units": "s"}), channel: ["edge"], "axis": list(axes)},
+            {"time": ("time", INSTANTS + begins, {"units": "s"}), channel: ["edge"], "axis": list(axes)},
             attributes,
         )
     )
@@ -52,10 +52,10 @@ def instrument(quantity, channel, std, units, axes, **attributes):
 
 @pytest.fixture
 def seen(registry, swinging):
-    def make(axes="xz", frame="body", frequency_class=0, model=swinging):
+    def make(axes="xz", frame="body", frequency_class=0, model=swinging, begins=-BEFORE):
         told = {"observer": "accelerometer", "frame": frame, "channel_frequency_class": frequency_class}
         film = instrument("position", "marker", 1e-3, "m", axes, observer="film")
-        box = instrument("acceleration", "sensor", 1.0, "m s-2", axes, **told)
+        box = instrument("acceleration", "sensor", 1.0, "m s-2", axes, begins, **told)
         cell = instrument("force", "sensor", 10.0, "N", axes, observer="load_cell")
         run = xr.DataTree.from_dict({"film": film, "box": box, "cell": cell})
         return Misfit(model, {"run": run}, registry.spring_laws, registry.observers).with_step(4e-4)
@@ -69,13 +69,16 @@ def told_by(misfit):
 
 
 @pytest.mark.parametrize("axes", ["xz", "z"])
-@pytest.mark.parametrize(("frame", "frequency_class"), [("body", 0), ("laboratory", 0), ("body", 180)])
-def test_a_point_is_read_as_its_observer_says(seen, monkeypatch, axes, frame, frequency_class):
-    fast = seen(axes, frame, frequency_class)
+@pytest.mark.parametrize(
+    ("frame", "frequency_class", "begins"),
+    [("body", 0, -BEFORE), ("laboratory", 0, -BEFORE), ("body", 180, -BEFORE), ("body", 180, 0.01)],
+)
+def test_a_point_is_read_as_its_observer_says(seen, monkeypatch, axes, frame, frequency_class, begins):
+    fast = seen(axes, frame, frequency_class, begins=begins)
     assert [type(one) for one in fast.predictor._readouts] == READOUTS
     got = told_by(fast)
     monkeypatch.setattr(predictor, "readout_of", lambda *_: None)
-    for one, other in zip(got, told_by(seen(axes, frame, frequency_class)), strict=True):
+    for one, other in zip(got, told_by(seen(axes, frame, frequency_class, begins=begins)), strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9 * np.abs(other).max())
 
 
