@@ -270,3 +270,17 @@ def test_recordings_in_memory_keep_the_contract(quick, given):
         api.diagnose_recordings(model, recordings, recordings)
     with pytest.raises(CrashkitError, match=r"^seconds: expected a number above 0, found 0\.0$"):
         api.diagnose_recordings(model, recordings, seconds=0.0)
+
+
+def test_a_sensor_that_recorded_nothing_is_left_out_with_a_warning(quick, given, tmp_path):
+    model, recordings = api.load_model(given / "model.toml"), api.load_recordings(given / "run.nc")
+    film = recordings["run.nc"]["film"].to_dataset(inherit=False)
+    hidden = film.assign_coords(marker=["hidden"]).assign(position=film["position"] * np.nan)
+    both = recordings["run.nc"].assign(film=xr.DataTree(xr.concat([film, hidden], "marker", data_vars="minimal")))
+    write_recording(both, tmp_path / "run.nc")
+    told = r'^run\.nc: film/position: only NaN of "hidden", which is left out$'
+    with pytest.warns(UserWarning, match=told):
+        from_files = api.diagnose_files(given / "model.toml", tmp_path / "run.nc")
+    with pytest.warns(UserWarning, match=told):
+        from_memory = api.diagnose_recordings(model, {"run.nc": both})
+    assert from_files.summary == from_memory.summary == api.diagnose_recordings(model, recordings).summary

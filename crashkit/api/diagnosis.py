@@ -6,7 +6,7 @@ from contextlib import nullcontext
 
 import xarray as xr
 
-from crashkit.api.files import File, Files, Show, check_given, load_runs, path_of, paths_of, silent, told
+from crashkit.api.files import File, Files, Show, check_given, heard, load_runs, path_of, paths_of, silent, told
 from crashkit.data.files import folder_to_fill
 from crashkit.diagnose import Diagnosis, Workshop, diagnose
 from crashkit.errors import CrashkitError
@@ -91,7 +91,7 @@ def diagnose_recordings(
     if not seconds > 0.0:
         raise CrashkitError(f"seconds: expected a number above 0, found {seconds}")
     check_given(model, recordings, holdout or {})
-    return diagnose(model, recordings, holdout or {}, workshop(), told(progress), seconds)
+    return diagnose(model, heard(recordings), heard(holdout or {}), workshop(), told(progress), seconds)
 
 
 def run_demo(seed: int | None = None, output: File = "demo", open_page: bool = True, progress: Show = silent) -> str:

@@ -10,6 +10,7 @@ from time import monotonic
 import xarray as xr
 
 from crashkit.data.recording import check_recording, read_recording
+from crashkit.data.silent import without_silent
 from crashkit.diagnose.result import run_name
 from crashkit.errors import CrashkitError, raise_together
 from crashkit.misfit.together import check_runs
@@ -31,7 +32,7 @@ def load_model(path: File) -> Model:
 
 
 def load_recordings(paths: Files) -> dict[str, xr.DataTree]:
-    """Recordings by run name (their file names; with the folder where two share a name).
+    """Recordings by run name (their file names; with the folder where two share a name), of the sensors that recorded anything.
 
     Raises CrashkitError for a file that is no recording.
     """
@@ -39,7 +40,12 @@ def load_recordings(paths: Files) -> dict[str, xr.DataTree]:
     names = [run_name(path) for path in paths]
     schemas = {name: observer.schema for name, observer in load().observers.items()}
     unique = [name if names.count(name) == 1 else str(path) for name, path in zip(names, paths, strict=True)]
-    return {name: read_recording(path, schemas) for name, path in zip(unique, paths, strict=True)}
+    return heard({name: read_recording(path, schemas) for name, path in zip(unique, paths, strict=True)})
+
+
+def heard(recordings: Mapping[str, xr.DataTree]) -> dict[str, xr.DataTree]:
+    """Recordings, by the names of their runs, without sensors that recorded nothing, of which a warning tells."""
+    return {run: without_silent(run, recording, load().observers) for run, recording in recordings.items()}
 
 
 def load_runs(

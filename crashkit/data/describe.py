@@ -32,12 +32,16 @@ def _variable_row(variable: Variable) -> tuple[str, ...]:
     notes = [
         variable.meaning,
         *(["optional"] if not variable.required else []),
-        *(["NaN where missing"] if variable.allow_nan else []),
+        *([_missing(variable)] if variable.allow_nan else []),
         *(["0 or more"] if not variable.allow_negative else []),
         *(["above 0"] if variable.positive else []),
         *(["0 or 1"] if variable.kind == "flag" else []),
     ]
     return f"`{variable.name}`", dims, variable.units or variable.kind, "; ".join(notes)
+
+
+def _missing(variable: Variable) -> str:
+    return f"NaN where missing{', even throughout' if variable.allow_silent else ''}"
 
 
 def _attribute_row(attribute: Attribute) -> tuple[str, ...]:

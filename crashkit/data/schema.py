@@ -33,7 +33,8 @@ class Variable:
         meaning: one phrase for people.
         kind: "number", "text" or "flag" (0/1).
         required: whether the group must hold it.
-        allow_nan: whether single values may be missing; a channel that is NaN throughout is always refused.
+        allow_nan: whether single values may be missing.
+        allow_silent: whether all values of some channels may be.
         allow_infinite: whether values may be infinite (a bound that is not there).
         allow_negative: whether values may be below 0.
         positive: whether every value must be above 0 (a standard deviation).
@@ -46,6 +47,7 @@ class Variable:
     kind: str = "number"
     required: bool = True
     allow_nan: bool = False
+    allow_silent: bool = False
     allow_infinite: bool = False
     allow_negative: bool = True
     positive: bool = False

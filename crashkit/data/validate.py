@@ -133,7 +133,7 @@ def _value_faults(dataset: xr.Dataset, variable: Variable, values: np.ndarray, p
     dims = tuple(map(str, dataset.variables[variable.name].dims))
     missing = np.isnan(values)
     empty = _empty_channels(missing, dims)
-    for index in np.argwhere(empty):
+    for index in np.argwhere(empty & (empty.all() or not variable.allow_silent)):
         yield Fault(place, "a value in every channel", f"only NaN{_at(dataset, dims, index, _WITHIN_CHANNEL)}")
     rules = [
         ("no NaN", "NaN", missing & ~empty & (not variable.allow_nan)),

@@ -32,8 +32,9 @@ def expected_error(final: Misfit, unseen: Misfit, believed: float) -> tuple[floa
         if not np.isfinite(known).all() or not np.isfinite(jacobian).all():
             return math.nan, ""
         root = np.linalg.pinv(np.linalg.qr(known, mode="r"))
-        for index in np.flatnonzero(~jacobian.any(axis=0)):
-            jacobian[:, index] = _secant(unseen, start, int(index), float(np.linalg.norm(root[index])))
+        deviations = np.linalg.norm(root, axis=1)
+        for index in np.flatnonzero(~jacobian.any(axis=0) & (deviations > 0.0)):
+            jacobian[:, index] = _secant(unseen, start, int(index), float(deviations[index]))
     except SimulationError:
         return math.nan, ""
     spread = jacobian @ root

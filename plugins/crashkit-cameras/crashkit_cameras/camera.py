@@ -31,7 +31,7 @@ class Camera(Observer):
     schema = GroupSchema(
         "camera",
         (
-            Variable("image_position", DIMS, "pixel", "a marker's place in the image", allow_nan=True),
+            Variable("image_position", DIMS, "pixel", "a marker's place in the image", allow_nan=True, allow_silent=True),
             Variable("control_position", ("control_point", "axis"), "m", "a control point's position in the laboratory frame"),
             Variable(
                 "control_image",

@@ -27,7 +27,7 @@ class Film(PlainObserver):
     schema = GroupSchema(
         "film",
         (
-            Variable("position", DIMS, "m", "a marker's position in the laboratory frame", allow_nan=True),
+            Variable("position", DIMS, "m", "a marker's position in the laboratory frame", allow_nan=True, allow_silent=True),
             body_of("marker"),
             point_of("marker"),
             std_of("position", "marker", "m"),

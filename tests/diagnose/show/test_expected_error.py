@@ -8,6 +8,7 @@ from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.show.expected_error import expected_error
 from crashkit.errors import SimulationError
 from crashkit.misfit import Misfit
+from crashkit.model import InstrumentErrors, Parameter
 
 END = "joint.first.densification_deformation"
 AFTER = "joint.first.densification_stiffness"
@@ -44,6 +45,14 @@ def test_it_is_what_models_leave_that_the_fitted_runs_cannot_tell_apart(workshop
     left = np.mean([np.sum((held.discrepancy(draw) - clean) ** 2) for draw in draws])
     expected, _ = expected_error(final, held, 0.3)
     assert n * (expected**2 - 1.0) == pytest.approx(left, rel=0.5)
+
+
+def test_what_nobody_believes_and_no_run_tells_makes_nothing_uncertain(model, misfit, recorded):
+    """A sensor that reads along one axis does not show how much of that it mixes into others."""
+    axes = InstrumentErrors("accelerometer", "mass", {"transverse_x": Parameter(0.0)})
+    one = misfit(evolve(model, instruments=(axes,)), run=recorded(model))
+    expected, _ = expected_error(one, one, 0.3)
+    assert 1.0 < expected < 1.05
 
 
 def test_where_there_is_nothing_to_know_nothing_is_uncertain(model, misfit, recorded):
