@@ -32,7 +32,7 @@ def load_model(path: File) -> Model:
 
 
 def load_recordings(paths: Files) -> dict[str, xr.DataTree]:
-    """Recordings by run name (their file names; with the folder where two share a name), of the sensors that recorded anything.
+    """Recordings by run name: their file names; with the folder where two share a name. As they are `heard`.
 
     Raises CrashkitError for a file that is no recording.
     """

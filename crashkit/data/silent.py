@@ -25,7 +25,7 @@ def without_silent(run: str, recording: xr.DataTree, observers: Mapping[str, typ
 
 
 def _heard(run: str, recording: xr.DataTree, name: str, observer: type[Observer]) -> xr.DataTree:
-    instrument = recording[name].to_dataset(inherit=False)
+    instrument = recording.children[name].to_dataset(inherit=False)
     readings, sensor = instrument[observer.quantity], observer.channel
     is_silent = readings.isnull().all([dim for dim in readings.dims if dim != sensor])
     if not is_silent.any():

@@ -37,7 +37,9 @@ class Accelerometer(PlainObserver):
     schema = GroupSchema(
         "accelerometer",
         (
-            Variable("acceleration", DIMS, "m s-2", "a sensor's acceleration along each axis", allow_nan=True, allow_silent=True),
+            Variable(
+                "acceleration", DIMS, "m s-2", "a sensor's acceleration along each axis", allow_nan=True, allow_silent=True
+            ),
             Variable("sensor_body", ("sensor",), None, "the body that carries the sensor", kind="text"),
             Variable(
                 "sensor_point", ("sensor", "axis"), "m", "the sensor's place in the body's frame, from the centre of mass"

@@ -30,7 +30,14 @@ class LoadCell(PlainObserver):
     schema = GroupSchema(
         "load_cell",
         (
-            Variable("force", DIMS, "N", "the force that the body receives, in the laboratory frame", allow_nan=True, allow_silent=True),
+            Variable(
+                "force",
+                DIMS,
+                "N",
+                "the force that the body receives, in the laboratory frame",
+                allow_nan=True,
+                allow_silent=True,
+            ),
             Variable("sensor_body", ("sensor",), None, "the body that receives the force", kind="text"),
             Variable(
                 "force_std", ("sensor",), "N", "standard deviation of a sample as recorded", required=False, positive=True
