@@ -40,6 +40,14 @@ def test_a_late_record_reads_as_the_rest_of_a_whole_one(run, model):
         np.testing.assert_allclose(late, whole[LATE:], atol=1e-6 * np.abs(whole).max())
 
 
+def test_a_late_record_of_a_clock_that_runs_slow_reads_as_the_rest_of_a_whole_one(run, model):
+    slow = with_instrument_error(model, "accelerometer", "", "clock_rate", Parameter(-0.05, -0.1, 0.1, True))
+    for late, whole in zip(read(slow, run.isel(time=slice(LATE, None))), read(slow, run), strict=True):
+        seen = np.isfinite(late)
+        assert seen.mean() > 0.8
+        np.testing.assert_allclose(late[seen], whole[LATE:][seen], atol=1e-3 * np.nanmax(np.abs(whole)))
+
+
 def test_a_record_with_a_late_clock_reads_as_what_it_saw(run, model):
     ahead = with_instrument_error(model, "accelerometer", "", "clock_offset", Parameter(-LATE * INTERVAL, -0.1, 0.1, True))
     late = read(ahead, run.isel(time=slice(None, -LATE)))

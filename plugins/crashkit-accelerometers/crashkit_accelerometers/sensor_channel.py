@@ -152,7 +152,8 @@ class Channels:
         known = self.felt.known(at)
         at, stamps = at[known], self.times[known]
         lacking = since_contact(at)
-        return np.concatenate([lacking, at]), np.concatenate([stamps[:1] + (lacking - at[:1]), stamps]), known
+        pace = np.ptp(stamps) / np.ptp(at) if len(lacking) else 1.0
+        return np.concatenate([lacking, at]), np.concatenate([stamps[:1] + pace * (lacking - at[:1]), stamps]), known
 
     def _lateness(self, mixing: np.ndarray, at: np.ndarray) -> np.ndarray:
         """What a later clock changes: minus the rate, over one sample's width, as it jumps at the nodes."""
