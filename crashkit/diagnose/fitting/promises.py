@@ -15,6 +15,8 @@ from crashkit.protocols import Proposal
 
 LEADERS = 12
 """Claims beside each of which all others are tried."""
+BEYOND = 1e100
+"""Standard deviations, and their derivatives: more is beyond all measure, and has no square."""
 
 
 @frozen(eq=False)
@@ -75,7 +77,7 @@ def _led(workshop: Workshop, given: Misfit, claim: tuple[Proposal, End]) -> Led 
     if with_claim is None or without is None or len(with_claim[0]) != len(without[0]):
         return None
     residual, jacobian = with_claim
-    if not (np.isfinite(residual).all() and np.isfinite(jacobian).all() and np.isfinite(without[0]).all()):
+    if not all(np.abs(part).max(initial=0.0) < BEYOND for part in (residual, jacobian, without[0])):
         return None
     belief, slopes = plain.belief(plain.start())
     own = [number for number, name in enumerate(misfit.names) if name in proposal.parameters]

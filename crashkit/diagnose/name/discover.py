@@ -18,7 +18,7 @@ from crashkit.diagnose.name.explore import beside_reading, explored
 from crashkit.diagnose.name.follow import Discovery, followed, leaves_no_second
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Look, look_again
+from crashkit.diagnose.name.look import LEAST_DROP, Look, look_again
 from crashkit.diagnose.name.rivals import CONCEALED
 from crashkit.diagnose.name.settle import in_one_number, settled
 from crashkit.diagnose.name.vanished import told_by_vanished
@@ -97,6 +97,8 @@ def _with_what_is_wrong(inquiry: Inquiry, told: Discovery, waiting: tuple[Suspec
     while waiting:
         found, concerns = [look.leader for look in findings], partial(_concern, waiting)
         look = in_time(None, look_again, inquiry, search.fitted(), found, concerns)
+        # That they are wrong is certain: what they must explain is no matter of how far the form of a law may be off.
+        look = look and evolve(look, least=LEAST_DROP)
         if look is None or (look.winner is None and search.normalised <= FLOOR):
             break
         if look.winner is None:

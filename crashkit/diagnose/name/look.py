@@ -122,10 +122,26 @@ def look_again(
         claims = claims_from_given(inquiry, current, proposals) if found or concerns is not None else inquiry.from_given
         further = further_rivals(equipped, current, claims, proposals, ranked, afresh, inquiry.progress)
         ranked, couples = list(further.rivals), tuple(further.couples)
+    ranked = [rival for rival in ranked if not _is_error_of_form(rival, found)]
     best = _as_before(begun, best_forms(ranked))
     look = Look.of(best, current, len({identity(p) for p in proposals}))
     look = evolve(look, least=least, limits=tuple(limits), couples=couples, is_wide=not quick)
     return evolve(look, formed=begun.formed, forms=begun.forms) if begun else look
+
+
+def _is_error_of_form(rival: Rival, found: Sequence[Rival]) -> bool:
+    """Whether it accuses a sensor of little beside what a body that turns makes it read: how that turns is hardly told in the
+    right form."""
+    return accuses_instrument(rival.proposal) and any(
+        rival.drop < FORM_ERRORS[1] * one.drop and not _read(rival.proposal).isdisjoint(_read(one.proposal))
+        for one in found
+        if not accuses_instrument(one.proposal)
+    )
+
+
+def _read(proposal: Proposal) -> set[str]:
+    """The sensors of which it says what they read."""
+    return {path.rpartition(".")[0] for path in proposal.parameters if path.startswith("instrument.")}
 
 
 def _as_before(begun: Look | None, best: list[Rival]) -> list[Rival]:

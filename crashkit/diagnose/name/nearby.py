@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from attrs import evolve, field, frozen
 
 from crashkit.diagnose.claims import identity
+from crashkit.diagnose.fitting.candidates import Candidate
 from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import (
     UNEXPLAINED,
@@ -12,6 +13,7 @@ from crashkit.diagnose.fitting.evidence import (
     best_forms,
     by_evidence,
     is_at_noise,
+    is_strained,
     is_unknown,
     one_explains,
     ranked_by_evidence,
@@ -38,6 +40,7 @@ from crashkit.diagnose.name.pairs import both, named_beside, named_instead
 from crashkit.diagnose.name.rivals import CONCEALED, COUPLED
 from crashkit.diagnose.name.settle import settled
 from crashkit.diagnose.name.two_places import couples_at_two_places
+from crashkit.diagnose.result import UNKNOWN
 
 FOLLOWED = 0.5
 """Of what the model without it leaves above the noise: a claim that leaves more is not followed before all are asked."""
@@ -140,12 +143,20 @@ def _with_a_second(inquiry: Inquiry, near: Look, first: Look, search: Search) ->
             look = in_time(look, named_beside, inquiry, look, [first])
         if not (_completes(look, search) or _is_most(search, inquiry.base, look)):
             # From where the model has been driven, two others may seem to explain what one does from the given values.
-            if in_time(True, lambda: one_explains(inquiry.from_given.singles)):
+            if in_time(True, lambda: _is_led_elsewhere(inquiry.from_given.singles, first, search)):
                 return Nearby(near, None, look)
             found = in_time(None, _in_forms_together, inquiry, first, look, search)
             return Nearby(near, found or in_time(None, _two_of_all, inquiry, near, search), look)
     found, _ = followed(inquiry, [first], look)
     return Nearby(near, found, look)
+
+
+def _is_led_elsewhere(singles: Sequence[Candidate], first: Look, search: Search) -> bool:
+    """Whether from the given values one cause explains everything, or a known one other than the first leaves far less, by
+    numbers that are not strained."""
+    told = [one for one in singles if one.proposal.physics != UNKNOWN and identity(one.proposal) != first.leader.identity]
+    ahead = [other.search for other in told if other.search.excess < FOLLOWED * search.excess]
+    return one_explains(singles) or not all(map(is_strained, ahead))
 
 
 def _in_forms_together(inquiry: Inquiry, first: Look, look: Look, search: Search) -> Discovery | None:

@@ -97,6 +97,7 @@ class Fracture(Hypothesis):
             "loss": LOSS,
             "delay": Parameter(0.05 * lasts, 0.0, lasts),
             "duration": Parameter(0.05 * lasts, 1e-3 * lasts, lasts),
+            "slowing": Parameter(1.0, 0.01, 20.0),
         }
         starts = grid(softening_deformation=[share * reached for share in SHARES[1:]])
         return evolve(

@@ -101,9 +101,10 @@ class StepwiseSoftening(SpringLaw):
 
 
 class DelayedSoftening(SpringLaw):
-    """A member that tears open in time: 1 - loss min(1, max(0, m - delay) / duration), m' = 1 once d_max passes a deformation.
+    """A member that tears open in time: 1 - loss (1 - exp(-k s)) / (1 - exp(-k)), s = min(1, max(0, m - delay) / duration).
 
-    The memory m is the time since then, as of a crack that runs, or a weld that opens.
+    The memory m is the time since d_max passed `softening_deformation`, as of a crack that runs, or a weld that opens. It
+    tears evenly for small k, and for large k the faster the more is left to tear.
     """
 
     name = "delayed_softening"
@@ -115,6 +116,7 @@ class DelayedSoftening(SpringLaw):
         LOSS,
         ParameterSpec("delay", "s", "from there until it begins to tear", lower=0.0),
         ParameterSpec("duration", "s", "of the tearing", lower=1e-4),
+        ParameterSpec("slowing", "1", "how it slows down, ln of its first rate over its last (k)", 0.01, 20.0, default=0.01),
     )
 
     @staticmethod
@@ -127,9 +129,11 @@ class DelayedSoftening(SpringLaw):
         loss: float,
         delay: float,
         duration: float,
+        slowing: float,
     ) -> float:
         """The factor."""
-        return 1.0 - loss * min(1.0, max(0.0, time_since - delay) / duration)
+        passed = min(1.0, max(0.0, time_since - delay) / duration)
+        return 1.0 - loss * (1.0 - math.exp(-slowing * passed)) / (1.0 - math.exp(-slowing))
 
     @staticmethod
     def memory_rate(
@@ -141,6 +145,7 @@ class DelayedSoftening(SpringLaw):
         loss: float,
         delay: float,
         duration: float,
+        slowing: float,
     ) -> float:
         """How fast time passes, 1, once it has been deformed so far."""
         return 1.0 if d_max > softening_deformation else 0.0

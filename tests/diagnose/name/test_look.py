@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from crashkit.diagnose.fitting.evidence import Rival
-from crashkit.diagnose.name.look import Look, _as_before
+from crashkit.diagnose.name.look import Look, _as_before, _is_error_of_form
 from crashkit.protocols import Proposal
 
 
@@ -33,3 +33,20 @@ def test_a_look_that_begins_nowhere_tells_what_it_finds():
     found = [rival("fracture", 99.5)]
     assert _as_before(None, found) is found
     assert _as_before(Look((), (), 1.0, None), found) is found
+
+
+@pytest.mark.parametrize(
+    ("sensor", "drop", "read", "is_error"),
+    [
+        ("mark", 80.0, "mark.rocking_share", True),
+        ("mark", 100.0, "mark.rocking_share", False),
+        ("other", 80.0, "mark.rocking_share", False),
+        ("mark", 80.0, "mark.gain", False),
+    ],
+)
+def test_a_sensor_is_not_accused_of_how_far_the_form_of_a_turn_is_off(sensor, drop, read, is_error):
+    """What an error of its own explains beside another one is no matter of a form."""
+    path, place = f"instrument.film.{read}", {"sensor": "mark"} if read.endswith("gain") else {"body": "sled"}
+    found = Rival(Proposal("found", "", place, None, (path,), {}), None, 3e3, 4e3)
+    told = Proposal("bias", "", {"sensor": sensor}, None, (f"instrument.film.{sensor}.bias",), {})
+    assert _is_error_of_form(Rival(told, None, drop, 1e3), [found]) is is_error

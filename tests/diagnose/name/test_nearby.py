@@ -117,7 +117,8 @@ def second(monkeypatch):
         monkeypatch.setattr(nearby, "followed", lambda *_: asked.append("followed") or (None, None))
         inquiry = SimpleNamespace(base=leaving(base), from_given=SimpleNamespace(singles=alone))
         search = SimpleNamespace(fitted=lambda: None, **vars(leaving(left)))
-        _with_a_second(inquiry, None, SimpleNamespace(leader=None), search)
+        first = Rival(Proposal("relaxation", "", {"joint": "pad"}, None, (), {}), search, 0.0, 0.0)
+        _with_a_second(inquiry, None, SimpleNamespace(leader=first), search)
         return asked
 
     return asks
@@ -154,15 +155,17 @@ def test_couples_of_all_causes_are_asked_where_nothing_completes_it(second):
     [
         ("missing_contact", 1.04, False, []),
         ("missing_contact", 1.04, True, ["in forms", "of all"]),
-        ("missing_contact", 1.1, False, ["in forms", "of all"]),
+        ("missing_contact", 2.2, False, []),
+        ("missing_contact", 2.4, False, ["in forms", "of all"]),
+        ("relaxation", 2.2, False, ["in forms", "of all"]),
         ("unknown", 1.04, False, ["in forms", "of all"]),
     ],
 )
-def test_no_two_are_asked_where_a_known_cause_explains_all_as_given(second, physics, normalised, strained, then):
+def test_no_two_are_asked_where_another_known_cause_explains_most_as_given(second, physics, normalised, strained, then):
     """And strains none of these."""
     search = leaving(normalised)
     search.misfit.is_strained = lambda point: strained
-    alone = [(SimpleNamespace(physics=physics), search)]
+    alone = [Candidate(Proposal(physics, "", {"joint": "pad"}, None, (), {}), search)]
     assert second(3.0, 1.4, named=1.35, alone=alone) == ["quick", "named", *then]
 
 
