@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
+from attrs import evolve
 
 from crashkit.diagnose.fitting.in_time import OutOfTimeError
 from crashkit.diagnose.fitting.search import begin
@@ -119,13 +120,14 @@ def test_where_they_do_not_everything_is_asked(told_by_all):
 
 @pytest.fixture
 def asked_of_a_suspect(workshop, model, misfit, recorded, claim, inquiry, monkeypatch):
-    """What is told of a suspect's sensor, whose gain wins the look, and which settling would say rings."""
+    """What is told of a suspect's sensor, whose gain wins the look, if as much is asked of it as of a first finding, and which
+    settling would say rings."""
 
     def ask(told):
         base = begin(workshop.identifier, misfit(model, run=recorded(model)))
         forms = ("gain_error", "constant"), ("mounting_resonance", "element")
         gain, ringing = (claim(base.fitted(), *form) for form in forms)
-        look, settled = (Look.of([rival], base.fitted()) for rival in (gain, ringing))
+        look, settled = (evolve(Look.of([rival], base.fitted()), least=1e9) for rival in (gain, ringing))
         sensor = gain.proposal.location["sensor"]
         monkeypatch.setattr(discover, "without", lambda recordings, suspects: recordings)
         monkeypatch.setattr(discover, "reidentify", lambda workshop, misfit: base)
