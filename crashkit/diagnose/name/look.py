@@ -27,6 +27,8 @@ READINGS = 0.2
 """How much of that a claim about one instrument must explain: the error of a form shows in all of them."""
 EXACT = 0.1
 """How much of what such a claim explained itself counts, if it has but one number: an offset has hardly a form to be wrong."""
+TURNED = 3.0
+"""The same of a body that turns: its form has no law behind it."""
 COMPLETING = 0.3
 """How much of that a claim must explain after which nothing is left, where plainly something was: the error of a form is
 hardly another law."""
@@ -133,7 +135,7 @@ def _is_error_of_form(rival: Rival, found: Sequence[Rival]) -> bool:
     """Whether it accuses a sensor of little beside what a body that turns makes it read: how that turns is hardly told in the
     right form."""
     return accuses_instrument(rival.proposal) and any(
-        rival.drop < FORM_ERRORS[1] * one.drop and not _read(rival.proposal).isdisjoint(_read(one.proposal))
+        rival.drop < TURNED * FORM_ERRORS[0] * one.drop and not _read(rival.proposal).isdisjoint(_read(one.proposal))
         for one in found
         if not accuses_instrument(one.proposal)
     )
@@ -156,8 +158,15 @@ def least_drop(found: Sequence[Rival]) -> float:
     """What a further finding must explain, in chi squared."""
     if not found:
         return LEAST_DROP
-    explained = sum(rival.drop * (EXACT if is_exact(rival.proposal) else 1.0) for rival in found)
+    explained = sum(rival.drop * _inexactness(rival.proposal) for rival in found)
     return max(LEAST_DROP, FORM_ERRORS[min(len(found), len(FORM_ERRORS)) - 1] * explained)
+
+
+def _inexactness(proposal: Proposal) -> float:
+    """How far off its form may be, where that of a law of the structure counts 1."""
+    if is_exact(proposal):
+        return EXACT
+    return TURNED if _read(proposal) and not accuses_instrument(proposal) else 1.0
 
 
 def is_exact(proposal: Proposal) -> bool:

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from crashkit.diagnose.fitting.evidence import Rival
-from crashkit.diagnose.name.look import Look, _as_before, _is_error_of_form
+from crashkit.diagnose.name.look import Look, _as_before, _is_error_of_form, least_drop
 from crashkit.protocols import Proposal
 
 
@@ -50,3 +50,15 @@ def test_a_sensor_is_not_accused_of_how_far_the_form_of_a_turn_is_off(sensor, dr
     found = Rival(Proposal("found", "", place, None, (path,), {}), None, 3e3, 4e3)
     told = Proposal("bias", "", {"sensor": sensor}, None, (f"instrument.film.{sensor}.bias",), {})
     assert _is_error_of_form(Rival(told, None, drop, 1e3), [found]) is is_error
+
+
+@pytest.mark.parametrize(
+    ("place", "path", "least"),
+    [
+        ({"joint": "nose"}, "joint.nose.loss", 30.0),
+        ({"body": "sled"}, "instrument.film.mark.rocking_share", 90.0),
+        ({"sensor": "mark"}, "instrument.film.mark.gain", 20.0),
+    ],
+)
+def test_beside_a_turn_more_must_be_explained_than_beside_a_law_and_least_beside_one_number_of_a_sensor(place, path, least):
+    assert least_drop([Rival(Proposal("found", "", place, None, (path,), {}), None, 3e3, 1e3)]) == pytest.approx(least)
