@@ -625,10 +625,16 @@ def test_a_member_may_tear_in_two_steps():
 
 
 def test_a_member_may_tear_some_time_after_it_was_deformed_so_far():
-    member = {"softening_deformation": 0.3, "loss": 0.6, "delay": 0.004, "duration": 0.002}
+    member = {"softening_deformation": 0.3, "loss": 0.6, "delay": 0.004, "duration": 0.002, "slowing": 0.01}
     factors = [DelayedSoftening.force(0.1, 0.0, 0.4, since, **member) for since in (0.0, 0.004, 0.005, 0.02)]
-    assert factors == pytest.approx([1.0, 1.0, 0.7, 0.4])
+    assert factors == pytest.approx([1.0, 1.0, 0.7, 0.4], abs=1e-3)
     assert [DelayedSoftening.memory_rate(0.1, 0.0, deepest, 0.0, **member) for deepest in (0.2, 0.4)] == [0.0, 1.0]
+
+
+def test_the_tearing_may_slow_down_as_less_is_left_to_tear():
+    member = {"softening_deformation": 0.3, "loss": 0.6, "delay": 0.004, "duration": 0.04, "slowing": 20.0}
+    factors = [DelayedSoftening.force(0.1, 0.0, 0.4, since, **member) for since in (0.004, 0.006, 0.01, 0.05)]
+    assert factors == pytest.approx([1.0 - 0.6 * (1.0 - np.exp(-since / 0.002)) for since in (0.0, 0.002, 0.006, np.inf)])
 
 
 def test_a_brake_is_put_on_at_a_time():
