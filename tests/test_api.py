@@ -278,7 +278,7 @@ def test_a_sensor_that_recorded_nothing_is_left_out_with_a_warning(quick, given,
     hidden = film.assign_coords(marker=["hidden"]).assign(position=film["position"] * np.nan)
     both = recordings["run.nc"].assign(film=xr.DataTree(xr.concat([film, hidden], "marker", data_vars="minimal")))
     write_recording(both, tmp_path / "run.nc")
-    told = r'^run\.nc: film/position: only NaN of "hidden", which is left out$'
+    told = r'^run\.nc: film/position: only NaN of "hidden"; left out$'
     with pytest.warns(UserWarning, match=told):
         from_files = api.diagnose_files(given / "model.toml", tmp_path / "run.nc")
     with pytest.warns(UserWarning, match=told):

@@ -31,5 +31,5 @@ def _heard(run: str, recording: xr.DataTree, name: str, observer: type[Observer]
     if not is_silent.any():
         return recording
     silent = names(instrument[sensor].values[is_silent.values].tolist())
-    warnings.warn(f"{run}: {name}/{observer.quantity}: only NaN of {silent}, which is left out", stacklevel=3)
+    warnings.warn(f"{run}: {name}/{observer.quantity}: only NaN of {silent}; left out", stacklevel=3)
     return recording.assign({name: xr.DataTree(instrument.isel({sensor: ~is_silent.values}))})

@@ -43,6 +43,11 @@ def accuses_instrument(proposal: Proposal) -> bool:
     return not {"sensor", "instrument"}.isdisjoint(proposal.location)
 
 
+def sensors_read(proposal: Proposal) -> set[str]:
+    """The sensors, or instruments, of which it says what they read, by the beginning of their paths."""
+    return {path.rpartition(".")[0] for path in proposal.parameters if path.startswith("instrument.")}
+
+
 def propose_all(workshop: Workshop, base: Misfit, physics: str | None = None) -> list[Proposal]:
     """Every hypothesis, or that of one physics, at every place of the model, in every form that can be fitted; none where it
     cannot be simulated, as with numbers that only the equations of motion have led."""

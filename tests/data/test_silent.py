@@ -17,7 +17,7 @@ SCHEMAS = {name: observer.schema for name, observer in OBSERVERS.items()}
 def test_a_marker_that_is_hidden_throughout_is_left_out(recording):
     recording["film"].position[:, 0] = np.nan
     check_recording(recording, SCHEMAS, "run.nc")
-    told = 'run.nc: film/position: only NaN of "m1", which is left out'
+    told = 'run.nc: film/position: only NaN of "m1"; left out'
     with pytest.warns(UserWarning, match=re.escape(told)):
         heard = without_silent("run.nc", recording, OBSERVERS)
     assert heard["film"]["marker"].values.tolist() == ["m2"]

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from attrs import evolve, frozen
 
+from crashkit.diagnose.claims import sensors_read
 from crashkit.diagnose.locate.consistency import SIGNIFICANT, by_run, check_instruments
 from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
@@ -52,9 +53,8 @@ class Suspect:
         if self.told not in ("", proposal.physics) and proposal.odds <= 1.0:
             return False
         place = proposal.location
-        of_readings = any(path.startswith("instrument.") for path in proposal.parameters)
         is_here = place.get("sensor") in self.sensors or place.get("body") == self.body
-        return of_readings and (is_here or place.get("instrument") == self.instrument)
+        return bool(sensors_read(proposal)) and (is_here or place.get("instrument") == self.instrument)
 
     def besides(self, finding: Proposal) -> "Suspect | None":
         """What is still accused when something was found: another sensor of the body may be wrong too."""

@@ -5,7 +5,7 @@ from functools import partial
 
 from attrs import evolve
 
-from crashkit.diagnose.claims import propose_all
+from crashkit.diagnose.claims import propose_all, sensors_read
 from crashkit.diagnose.fitting.candidates import Candidate
 from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED, explains, ranked_by_evidence
 from crashkit.diagnose.fitting.in_time import in_time, sooner
@@ -138,7 +138,7 @@ def _still_waiting(waiting: Sequence[Suspect], look: Look) -> tuple[Suspect, ...
 
 
 def _says_what_sensors_read(look: Look) -> bool:
-    return any(path.startswith("instrument.") for path in look.leader.proposal.parameters)
+    return bool(sensors_read(look.leader.proposal))
 
 
 def _concern(waiting: Sequence[Suspect], proposal: Proposal) -> bool:

@@ -5,7 +5,7 @@ from functools import partial
 
 from attrs import evolve, field, frozen
 
-from crashkit.diagnose.claims import accuses_instrument, identity, is_same
+from crashkit.diagnose.claims import accuses_instrument, identity, is_same, sensors_read
 from crashkit.diagnose.fitting.candidates import Candidate
 from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import UNEXPLAINED, Rival, best_forms, explains, probabilities
@@ -135,15 +135,15 @@ def _is_error_of_form(rival: Rival, found: Sequence[Rival]) -> bool:
     """Whether it accuses a sensor of little beside what a body that turns makes it read: how that turns is hardly told in the
     right form."""
     return accuses_instrument(rival.proposal) and any(
-        rival.drop < TURNED * FORM_ERRORS[0] * one.drop and not _read(rival.proposal).isdisjoint(_read(one.proposal))
+        rival.drop < TURNED * FORM_ERRORS[0] * one.drop and sensors_read(rival.proposal) & sensors_read(one.proposal)
         for one in found
-        if not accuses_instrument(one.proposal)
+        if _turns(one.proposal)
     )
 
 
-def _read(proposal: Proposal) -> set[str]:
-    """The sensors of which it says what they read."""
-    return {path.rpartition(".")[0] for path in proposal.parameters if path.startswith("instrument.")}
+def _turns(proposal: Proposal) -> bool:
+    """Whether it says of a body what its sensors read."""
+    return bool(sensors_read(proposal)) and not accuses_instrument(proposal)
 
 
 def _as_before(begun: Look | None, best: list[Rival]) -> list[Rival]:
@@ -166,7 +166,7 @@ def _inexactness(proposal: Proposal) -> float:
     """How far off its form may be, where that of a law of the structure counts 1."""
     if is_exact(proposal):
         return EXACT
-    return TURNED if _read(proposal) and not accuses_instrument(proposal) else 1.0
+    return TURNED if _turns(proposal) else 1.0
 
 
 def is_exact(proposal: Proposal) -> bool:
