@@ -278,9 +278,11 @@ def test_a_sensor_that_recorded_nothing_is_left_out_with_a_warning(quick, given,
     hidden = film.assign_coords(marker=["hidden"]).assign(position=film["position"] * np.nan)
     both = recordings["run.nc"].assign(film=xr.DataTree(xr.concat([film, hidden], "marker", data_vars="minimal")))
     write_recording(both, tmp_path / "run.nc")
-    told = r'^run\.nc: film/position: only NaN of "hidden"; left out$'
+    sentence = 'run.nc: film/position: only NaN of "hidden"; left out'
+    told = f"^{re.escape(sentence)}$"
     with pytest.warns(UserWarning, match=told):
         from_files = api.diagnose_files(given / "model.toml", tmp_path / "run.nc")
     with pytest.warns(UserWarning, match=told):
         from_memory = api.diagnose_recordings(model, {"run.nc": both})
     assert from_files.summary == from_memory.summary == api.diagnose_recordings(model, recordings).summary
+    assert from_files.notes.count(sentence) == from_memory.notes.count(sentence) == 1

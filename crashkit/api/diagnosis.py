@@ -5,9 +5,11 @@ from collections.abc import Mapping
 from contextlib import nullcontext
 
 import xarray as xr
+from attrs import evolve
 
 from crashkit.api.files import File, Files, Show, check_given, heard, load_runs, path_of, paths_of, silent, told
 from crashkit.data.files import folder_to_fill
+from crashkit.data.silent import LEFT_OUT
 from crashkit.diagnose import Diagnosis, Workshop, diagnose
 from crashkit.errors import CrashkitError
 from crashkit.model import Model
@@ -91,7 +93,10 @@ def diagnose_recordings(
     if not seconds > 0.0:
         raise CrashkitError(f"seconds: expected a number above 0, found {seconds}")
     check_given(model, recordings, holdout or {})
-    return diagnose(model, heard(recordings), heard(holdout or {}), workshop(), told(progress), seconds)
+    fitted, predicted = heard(recordings), heard(holdout or {})
+    result = diagnose(model, fitted, predicted, workshop(), told(progress), seconds)
+    left_out = (sentence for run in (*fitted.values(), *predicted.values()) for sentence in run.attrs.get(LEFT_OUT, []))
+    return evolve(result, notes=(*result.notes, *left_out))
 
 
 def run_demo(seed: int | None = None, output: File = "demo", open_page: bool = True, progress: Show = silent) -> str:

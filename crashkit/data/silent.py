@@ -9,6 +9,9 @@ from crashkit.data.recording import instruments
 from crashkit.data.validate import names
 from crashkit.protocols import Observer
 
+LEFT_OUT = "left_out"
+"""Attribute of a recording: what was left out of it, a sentence for each instrument."""
+
 
 def without_silent(run: str, recording: xr.DataTree, observers: Mapping[str, type[Observer]]) -> xr.DataTree:
     """A recording without the sensors of which no reading is a number, as of a marker that was hidden throughout.
@@ -31,5 +34,8 @@ def _heard(run: str, recording: xr.DataTree, name: str, observer: type[Observer]
     if not is_silent.any():
         return recording
     silent = names(instrument[sensor].values[is_silent.values].tolist())
-    warnings.warn(f"{run}: {name}/{observer.quantity}: only NaN of {silent}; left out", stacklevel=3)
-    return recording.assign({name: xr.DataTree(instrument.isel({sensor: ~is_silent.values}))})
+    sentence = f"{run}: {name}/{observer.quantity}: only NaN of {silent}; left out"
+    warnings.warn(sentence, stacklevel=3)
+    heard = recording.assign({name: xr.DataTree(instrument.isel({sensor: ~is_silent.values}))})
+    heard.attrs[LEFT_OUT] = [*recording.attrs.get(LEFT_OUT, []), sentence]
+    return heard

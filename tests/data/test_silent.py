@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from crashkit.data import check_recording
-from crashkit.data.silent import without_silent
+from crashkit.data.silent import LEFT_OUT, without_silent
 from crashkit.errors import ContractError
 from crashkit.registry import load
 
@@ -23,6 +23,8 @@ def test_a_marker_that_is_hidden_throughout_is_left_out(recording):
     assert heard["film"]["marker"].values.tolist() == ["m2"]
     assert heard["film"]["marker_body"].values.tolist() == ["body"]
     assert heard["accelerometer"].identical(recording["accelerometer"])
+    assert heard.attrs[LEFT_OUT] == [told]
+    assert LEFT_OUT not in recording.attrs
 
 
 def test_what_all_sensors_recorded_stays_as_it_is(recording):
