@@ -48,6 +48,11 @@ def sensors_read(proposal: Proposal) -> set[str]:
     return {path.rpartition(".")[0] for path in proposal.parameters if path.startswith("instrument.")}
 
 
+def turns(proposal: Proposal) -> bool:
+    """Whether it says of a body what its sensors read: how it turns."""
+    return bool(sensors_read(proposal)) and not accuses_instrument(proposal)
+
+
 def propose_all(workshop: Workshop, base: Misfit, physics: str | None = None) -> list[Proposal]:
     """Every hypothesis, or that of one physics, at every place of the model, in every form that can be fitted; none where it
     cannot be simulated, as with numbers that only the equations of motion have led."""

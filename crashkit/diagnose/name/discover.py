@@ -5,7 +5,7 @@ from functools import partial
 
 from attrs import evolve
 
-from crashkit.diagnose.claims import propose_all, sensors_read
+from crashkit.diagnose.claims import propose_all, sensors_read, turns
 from crashkit.diagnose.fitting.candidates import Candidate
 from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED, explains, ranked_by_evidence
 from crashkit.diagnose.fitting.in_time import in_time, sooner
@@ -14,7 +14,7 @@ from crashkit.diagnose.fitting.search import STEPS, begin
 from crashkit.diagnose.locate.aside import CLOCK, Suspect, late_clocks, on_time, suspects, without
 from crashkit.diagnose.locate.consistency import by_run, check_instruments
 from crashkit.diagnose.name.contradicted import asked_first, named_nevertheless
-from crashkit.diagnose.name.explore import beside_reading, explored
+from crashkit.diagnose.name.explore import beside_reading, cheaper, explored
 from crashkit.diagnose.name.follow import Discovery, followed, leaves_no_second
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
@@ -79,7 +79,10 @@ def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | Non
         return in_time(told, _read_by_all, inquiry, structure) or in_time(told, explored, inquiry)
     unbent = evolve(inquiry, given=given.with_values_of(structure.search.fitted()))
     wrong = _with_what_is_wrong(unbent, told, set_aside)
-    return in_time(wrong, _with_more, inquiry, wrong) if wrong else in_time(told, explored, inquiry)
+    if wrong is None:
+        return in_time(told, explored, inquiry)
+    more = in_time(wrong, _with_more, inquiry, wrong)
+    return in_time(more, _or_turning, inquiry, more, structure)
 
 
 def _with_more(inquiry: Inquiry, told: Discovery) -> Discovery:
@@ -89,6 +92,23 @@ def _with_more(inquiry: Inquiry, told: Discovery) -> Discovery:
         return told
     more = beside_reading(inquiry, told.findings[0])
     return more if more.search.normalised < UNEXPLAINED else told
+
+
+def _or_turning(inquiry: Inquiry, told: Discovery, structure: Discovery) -> Discovery:
+    """What was told in several findings, or instead that a body turns, where the instruments that agree say that as well as
+    what they told: the others may be wrong only in that they read it."""
+    turning = _as_turning(structure) if len(told.findings) > 1 else None
+    instead = turning and _read_by_all(inquiry, turning)
+    return cheaper(told, instead) if instead else told
+
+
+def _as_turning(structure: Discovery) -> Discovery | None:
+    """The same with its one finding led by a body that turns, if that explains everything, too."""
+    if len(structure.findings) != 1:
+        return None
+    look = structure.findings[0]
+    turning = [rival for rival in look.rivals[1:] if turns(rival.proposal) and explains(rival.search)]
+    return evolve(structure, search=turning[0].search, findings=(look.led_by(turning[0]),)) if turning else None
 
 
 def _with_what_is_wrong(inquiry: Inquiry, told: Discovery, waiting: tuple[Suspect, ...]) -> Discovery | None:

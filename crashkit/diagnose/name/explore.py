@@ -91,7 +91,7 @@ def _near_then_wide(inquiry: Inquiry, near: Look | None) -> Discovery:
     if found is not None and _suffices(found, base):
         return found
     wide = in_time(_won(base, nearby.look), _found_widely, inquiry, nearby)
-    told = wide if found is None else _cheaper(found, wide)
+    told = wide if found is None else cheaper(found, wide)
     estimated = in_time(told, estimated_at_last, inquiry, told)
     return in_time(told, _where_it_acts, inquiry, told) if estimated is told else estimated
 
@@ -179,7 +179,7 @@ def _is_told_by_most(search: Search) -> bool:
     return is_all_told(search.fitted()) and not is_strained(search)
 
 
-def _cheaper(near: Discovery, wide: Discovery) -> Discovery:
+def cheaper(near: Discovery, wide: Discovery) -> Discovery:
     """What explains more for its numbers; an estimate only gives way to what explains everything, or leaves far less."""
     leaves_alike = wide.search.normalised < BLAMED * near.search.normalised
     if is_estimated(wide.findings) and leaves_alike and not explains(near.search):

@@ -5,7 +5,7 @@ from functools import partial
 
 from attrs import evolve, field, frozen
 
-from crashkit.diagnose.claims import accuses_instrument, identity, is_same, sensors_read
+from crashkit.diagnose.claims import accuses_instrument, identity, is_same, sensors_read, turns
 from crashkit.diagnose.fitting.candidates import Candidate
 from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import UNEXPLAINED, Rival, best_forms, explains, probabilities
@@ -137,13 +137,8 @@ def _is_error_of_form(rival: Rival, found: Sequence[Rival]) -> bool:
     return accuses_instrument(rival.proposal) and any(
         rival.drop < TURNED * FORM_ERRORS[0] * one.drop and sensors_read(rival.proposal) & sensors_read(one.proposal)
         for one in found
-        if _turns(one.proposal)
+        if turns(one.proposal)
     )
-
-
-def _turns(proposal: Proposal) -> bool:
-    """Whether it says of a body what its sensors read."""
-    return bool(sensors_read(proposal)) and not accuses_instrument(proposal)
 
 
 def _as_before(begun: Look | None, best: list[Rival]) -> list[Rival]:
@@ -166,7 +161,7 @@ def _inexactness(proposal: Proposal) -> float:
     """How far off its form may be, where that of a law of the structure counts 1."""
     if is_exact(proposal):
         return EXACT
-    return TURNED if _turns(proposal) else 1.0
+    return TURNED if turns(proposal) else 1.0
 
 
 def is_exact(proposal: Proposal) -> bool:

@@ -172,3 +172,30 @@ def test_a_single_late_clock_is_put_right_whatever_a_model_that_lacks_more_says(
     monkeypatch.setattr(discover, "_clock", lambda *_: Look(rivals, (1.0,), 1.0, None))
     monkeypatch.setattr(discover, "beside_reading", lambda inquiry, clock: "beside")
     assert discover._with_clock(None, late) == told
+
+
+@pytest.mark.parametrize(
+    ("rivals", "findings", "left", "is_taken"),
+    [
+        (("obstacle", "turning"), 2, 1.0, True),
+        (("obstacle", "turning"), 2, 1.2, False),
+        (("obstacle", "turning"), 2, None, False),
+        (("obstacle", "turning"), 1, 1.0, False),
+        (("obstacle", "obstacle"), 2, 1.0, False),
+    ],
+)
+def test_a_body_that_turns_is_told_instead_of_two_causes(
+    monkeypatch, workshop, model, misfit, recorded, claim, rivals, findings, left, is_taken
+):
+    """If the instruments that agree say so as well as what they told, and all of them together for less."""
+    base = begin(workshop.identifier, misfit(model, run=recorded(model)))
+    known = {"obstacle": ("obstacle_motion", "sprung"), "turning": ("rotation", "rocking")}
+    look = Look.of([claim(base.fitted(), *known[one]) for one in rivals], base.fitted())
+    instead = None if left is None else SimpleNamespace(search=SimpleNamespace(normalised=left))
+    asked = []
+    monkeypatch.setattr(discover, "_read_by_all", lambda inquiry, turning: asked.append(turning.findings[0].leader) or instead)
+    monkeypatch.setattr(discover, "cheaper", lambda told, other: other if other.search.normalised < 1.1 else told)
+    told = SimpleNamespace(findings=(look,) * findings)
+    structure = Discovery.of(base, look.leader.search, (look,))
+    assert discover._or_turning(None, told, structure) is (instead if is_taken else told)
+    assert [one.proposal.physics for one in asked] == ["rotation"] * (findings == 2 and "turning" in rivals)

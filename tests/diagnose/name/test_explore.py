@@ -10,7 +10,7 @@ from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name import explore
 from crashkit.diagnose.name.discover import discover
-from crashkit.diagnose.name.explore import _cheaper, _is_confirmed, _is_wrong_beside_more, _suffices, explored
+from crashkit.diagnose.name.explore import cheaper, _is_confirmed, _is_wrong_beside_more, _suffices, explored
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look
@@ -107,7 +107,7 @@ def test_an_estimate_gives_way_to_what_explains_everything_or_leaves_far_less(mo
     """Where time was up before all was asked, the estimate that led at first is all that the wide look has to tell."""
     monkeypatch.setattr(explore, "price", lambda proposal, misfit: 10.0)
     nearby, wide = found(near, ("fracture", "tension")), found(estimate, ("unknown",))
-    assert _cheaper(nearby, wide) is (nearby if is_kept else wide)
+    assert cheaper(nearby, wide) is (nearby if is_kept else wide)
 
 
 def test_a_couple_with_everything_in_sight_confirms_the_same_two():
