@@ -10,7 +10,7 @@ from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name import explore
 from crashkit.diagnose.name.discover import discover
-from crashkit.diagnose.name.explore import cheaper, _is_confirmed, _is_wrong_beside_more, _suffices, explored
+from crashkit.diagnose.name.explore import _is_confirmed, _is_wrong_beside_more, _suffices, cheaper, explored
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.look import Look
