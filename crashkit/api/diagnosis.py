@@ -9,7 +9,7 @@ from attrs import evolve
 
 from crashkit.api.files import File, Files, Show, check_given, heard, load_runs, path_of, paths_of, silent, told
 from crashkit.data.files import folder_to_fill
-from crashkit.data.silent import LEFT_OUT
+from crashkit.data.silent import left_out_of
 from crashkit.diagnose import Diagnosis, Workshop, diagnose
 from crashkit.errors import CrashkitError
 from crashkit.model import Model
@@ -95,7 +95,7 @@ def diagnose_recordings(
     check_given(model, recordings, holdout or {})
     fitted, predicted = heard(recordings), heard(holdout or {})
     result = diagnose(model, fitted, predicted, workshop(), told(progress), seconds)
-    left_out = (sentence for run in (*fitted.values(), *predicted.values()) for sentence in run.attrs.get(LEFT_OUT, []))
+    left_out = (sentence for run in (*fitted.values(), *predicted.values()) for sentence in left_out_of(run))
     return evolve(result, notes=(*result.notes, *left_out))
 
 

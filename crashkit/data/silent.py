@@ -10,7 +10,7 @@ from crashkit.data.validate import names
 from crashkit.protocols import Observer
 
 LEFT_OUT = "left_out"
-"""Attribute of a recording: what was left out of it, a sentence for each instrument."""
+"""Attribute of a recording: what was left out of it, a line for each instrument."""
 
 
 def without_silent(run: str, recording: xr.DataTree, observers: Mapping[str, type[Observer]]) -> xr.DataTree:
@@ -27,6 +27,11 @@ def without_silent(run: str, recording: xr.DataTree, observers: Mapping[str, typ
     return recording
 
 
+def left_out_of(recording: xr.DataTree) -> list[str]:
+    """What was left out of a recording, a sentence for each instrument."""
+    return str(recording.attrs.get(LEFT_OUT, "")).splitlines()
+
+
 def _heard(run: str, recording: xr.DataTree, name: str, observer: type[Observer]) -> xr.DataTree:
     instrument = recording.children[name].to_dataset(inherit=False)
     readings, sensor = instrument[observer.quantity], observer.channel
@@ -37,5 +42,5 @@ def _heard(run: str, recording: xr.DataTree, name: str, observer: type[Observer]
     sentence = f"{run}: {name}/{observer.quantity}: only NaN of {silent}; left out"
     warnings.warn(sentence, stacklevel=3)
     heard = recording.assign({name: xr.DataTree(instrument.isel({sensor: ~is_silent.values}))})
-    heard.attrs[LEFT_OUT] = [*recording.attrs.get(LEFT_OUT, []), sentence]
+    heard.attrs[LEFT_OUT] = "\n".join([*left_out_of(recording), sentence])
     return heard
