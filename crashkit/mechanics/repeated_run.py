@@ -9,9 +9,9 @@ import xarray as xr
 
 from crashkit.errors import SimulationError
 from crashkit.mechanics.given import side_of
-from crashkit.mechanics.kernel.arrays import START, Floats, Record, Work
+from crashkit.mechanics.kernel.arrays import START, Floats, Integers, Record, Work
 from crashkit.mechanics.kernel.run import DONE
-from crashkit.mechanics.layout import DOF
+from crashkit.mechanics.layout import DOF, Place
 from crashkit.mechanics.motion import arrays_of, motion_of
 from crashkit.mechanics.run import bodies_of, joints_of, prepare, record_of, work_of
 from crashkit.mechanics.simulator import NO_HISTORY, Simulator, with_knots
@@ -56,7 +56,8 @@ class RepeatedRun:
         self._wanted = None if wanted is None else frozenset(wanted)
         self._layout = prepare(simulator.layout, values or {}, initial)
         self._places = [self._layout.place(path) for path in paths]
-        self._is_structural = any(name != "parameters" for name, _ in self._places)
+        self._structural = [column for column, (name, _) in enumerate(self._places) if name != "parameters"]
+        self._entries, self._columns = _of_laws(self._places)
         self.stops = with_knots(times if ends_at_all else times[-1:], self._layout)
         self._arrays: dict[bool, tuple[Work, Work]] = {}
         self._blank: dict[tuple[str, ...], xr.Dataset] = {}
@@ -67,8 +68,10 @@ class RepeatedRun:
         Raises:
             SimulationError: the motion is not finite, or it does not get past some time.
         """
-        for (name, index), value in zip(self._places, values.tolist(), strict=True):
-            getattr(self._layout, name)[index] = value
+        self._layout.parameters[self._entries] = values[self._columns]
+        for column in self._structural:
+            name, index = self._places[column]
+            getattr(self._layout, name)[index] = values[column]
         work = self._begin(sensitivities)
         record = _room(work, len(self._layout.axes), self.times.size, self._wanted)
         integrate = self._simulator.engine.module.integrate
@@ -96,7 +99,7 @@ class RepeatedRun:
         for array, start in zip(work, first, strict=True):
             if array is not work.parameters:
                 array[...] = start
-        if self._is_structural:
+        if self._structural:
             self._renew(work)
         return work
 
@@ -114,6 +117,13 @@ class RepeatedRun:
         for name in ("rest", "places"):
             work.joints[name] = joints[name]
         work.state[START, : self._layout.start.size] = self._layout.start.ravel()
+
+
+def _of_laws(places: Sequence[Place]) -> tuple[Integers, Integers]:
+    """The entries of laws' parameters among these places, and the number of the place that each belongs to."""
+    pairs = [(entry, column) for column, (name, index) in enumerate(places) if name == "parameters" for entry in index[0]]
+    entries, columns = np.array(pairs, int).reshape(-1, 2).T
+    return entries, columns
 
 
 def entry_of(simulator: Simulator, quantity: str, body: str, axis: str) -> int | None:

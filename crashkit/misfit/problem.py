@@ -52,6 +52,7 @@ class Misfit(SearchVariables):
         simulator: Simulator,
         step: float = STEP,
         prior: Prior = NO_PRIOR,
+        predictor: Predictor | None = None,
     ) -> None:
         super().__init__(kept_apart(model, simulator.layout.increasing()), prior, sums_of_free(model))
         self.model = model
@@ -59,11 +60,12 @@ class Misfit(SearchVariables):
         self.simulator = simulator
         self.groups = tuple(groups)
         self.step = step
+        self._shared = predictor
 
     @cached_property
     def predictor(self) -> Predictor:
         """Of what the instruments would read; made when it is first asked: of many models only names and bounds are."""
-        return Predictor(self.model, self.recordings, self.groups, self.simulator, self.step)
+        return self._shared or Predictor(self.model, self.recordings, self.groups, self.simulator, self.step)
 
     @cached_property
     def _rows(self) -> list[Rows]:
@@ -172,7 +174,9 @@ class Misfit(SearchVariables):
         if free:
             known = model.parameters()
             model = model.with_parameters({path: evolve(known[path], fixed=not is_free) for path, is_free in free.items()})
-        return self._with(model=model)
+        # A predictor is told the values of free parameters whenever it is asked: only others make it another one.
+        is_same = not free and values.keys() <= set(self.names)
+        return self._with(model=model, predictor=self.predictor if is_same else None)
 
     def with_values_of(self, other: "Misfit") -> "Misfit":
         """The same misfit with the numbers that its model shares with another's where they stand in that."""
@@ -181,7 +185,7 @@ class Misfit(SearchVariables):
 
     def with_prior(self, std: float) -> "Misfit":
         """The same misfit when its model's values are known to about `std`, relative to each; of zeros nothing is known."""
-        return self._with(prior=self.known_to(std))
+        return self._with(prior=self.known_to(std), predictor=self.predictor)
 
     def with_recordings(self, runs: tuple[str, ...]) -> "Misfit":
         """The same misfit over some of the runs."""

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 from attrs import frozen
@@ -61,6 +62,11 @@ class SearchVariables:
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper bounds of the search variables; logarithms stay within `FARTHEST` of what is known beforehand."""
+        lower, upper = self._bounds
+        return lower.copy(), upper.copy()
+
+    @cached_property
+    def _bounds(self) -> tuple[np.ndarray, np.ndarray]:
         lower, upper = (self.scaled(np.array([getattr(one, end) for one in self._free])) for end in ("lower", "upper"))
         known = [i for i in np.flatnonzero(self._log) if self.names[i] in self.prior.centres]
         centres = np.log([self.prior.centres[self.names[i]] for i in known])

@@ -1,6 +1,7 @@
 """The model: bodies, joints and the errors of the instruments that watch them."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
 from typing import TypeVar
 
 from attrs import evolve, field, frozen
@@ -55,15 +56,15 @@ class Model:
 
     def parameters(self) -> dict[str, Parameter]:
         """Every parameter by its path, in the order of the file."""
-        return dict(self._walk())
+        return dict(self._known)
 
     def values(self) -> dict[str, float]:
         """The value of every parameter, SI units, by path."""
-        return {path: parameter.value for path, parameter in self._walk()}
+        return {path: parameter.value for path, parameter in self._known.items()}
 
     def free_parameters(self) -> dict[str, Parameter]:
         """The parameters that an identification may move, by path."""
-        return {path: parameter for path, parameter in self._walk() if not parameter.fixed}
+        return {path: parameter for path, parameter in self._known.items() if not parameter.fixed}
 
     def with_parameters(self, changes: Mapping[str, Parameter]) -> "Model":
         """The same model with these parameters replaced, by path; raises CrashkitError for a path it does not have."""
@@ -102,6 +103,11 @@ class Model:
             joints=tuple(_replace_joint(joint, changes) for joint in self.joints),
             instruments=tuple(_replace_instrument(errors, changes) for errors in self.instruments),
         )
+
+    @cached_property
+    def _known(self) -> dict[str, Parameter]:
+        """Every parameter by its path: searches ask again and again."""
+        return dict(self._walk())
 
     def _walk(self) -> Iterator[tuple[str, Parameter]]:
         for body in self.bodies:

@@ -1,7 +1,6 @@
 """Re-identify first: the given model's own parameters, fitted to all calibration runs together."""
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -57,10 +56,14 @@ def reidentify(workshop: Workshop, misfit: Misfit, everywhere: bool = True) -> S
 
 def understood(workshop: Workshop, misfit: Misfit) -> Search:
     """The best fit that is come to little by little, from the misfit's own values and where the equations of motion lead."""
-    end = regression(workshop, misfit)
-    starts = [misfit] if end is None else [misfit, misfit.with_values(end[0])]
-    ends = spread(partial(grown, workshop.identifier), starts)
-    best = _fitted(workshop, misfit, [*ends, *([] if end is None else [end[0]])])
+
+    def led() -> list[Mapping[str, float]]:
+        end = regression(workshop, misfit)
+        return [] if end is None else [grown(workshop.identifier, misfit.with_values(end[0])), end[0]]
+
+    # First what takes longer.
+    led_ends, own_ends = spread(lambda ends: ends(), [led, lambda: [grown(workshop.identifier, misfit)]])
+    best = _fitted(workshop, misfit, [*own_ends, *led_ends])
     return best if explains(best) else begun_from_given(wakened(workshop, best), misfit)
 
 

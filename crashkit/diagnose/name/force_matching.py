@@ -7,8 +7,9 @@ import numpy as np
 import xarray as xr
 from scipy.optimize import least_squares
 
+from crashkit.errors import SimulationError
 from crashkit.mechanics.joint_law import JointLaw
-from crashkit.mechanics.joint_track import Track, load_on, track_of
+from crashkit.mechanics.joint_track import Track, load_on, shared, track_of
 from crashkit.misfit import Misfit
 from crashkit.protocols import Laws
 
@@ -48,8 +49,18 @@ def most_alike(present: Misfit, other: Misfit, names: Sequence[str], laws: Laws)
     def difference(point: np.ndarray) -> np.ndarray:
         return (_forces(other, tracks, stills, values(point)) - wanted) / np.linalg.norm(wanted)
 
+    def slopes(point: np.ndarray) -> np.ndarray:
+        scaled = start.copy()
+        scaled[moving] = point
+        table = _slopes(other, tracks, stills, values(point), names)
+        return table * other.scaling(scaled)[moving] / np.linalg.norm(wanted)
+
     bounds = lower[moving], upper[moving]
-    found = least_squares(difference, np.clip(start[moving], *bounds), bounds=bounds, x_scale="jac", max_nfev=EVALUATIONS)
+    first = np.clip(start[moving], *bounds)
+    try:
+        found = least_squares(difference, first, slopes, bounds, x_scale="jac", max_nfev=EVALUATIONS)
+    except SimulationError:  # a force without slopes
+        return values(first)
     return values(found.x)
 
 
@@ -82,3 +93,29 @@ def _forces(
     known = misfit.model.values() | dict(values)
     loads = [load_on(still, own, [track.force(known) for track in own]) for still, own in zip(stills, tracks, strict=True)]
     return np.concatenate([load[:, :, :3].ravel() for load in loads])
+
+
+def _slopes(
+    misfit: Misfit,
+    tracks: Sequence[Sequence[Track]],
+    stills: Sequence[np.ndarray],
+    values: Mapping[str, float],
+    names: Sequence[str],
+) -> np.ndarray:
+    """The derivatives of these forces to some numbers, (force, name); arguments as of `_forces`."""
+    known = misfit.model.values() | dict(values)
+    table = []
+    for still, own in zip(stills, tracks, strict=True):
+        pushes = [_by_name(track, known, names) for track in own]
+        loads = [load_on(still, own, [push[:, column] for push in pushes]) for column in range(len(names))]
+        table.append(np.column_stack([load[:, :, :3].ravel() for load in loads]))
+    return np.concatenate(table)
+
+
+def _by_name(track: Track, values: Mapping[str, float], names: Sequence[str]) -> np.ndarray:
+    """The derivatives of a joint's force to these numbers, (time, name)."""
+    _, slopes = track.push(track.modes(values), values)
+    table = np.zeros((len(slopes), len(names)))
+    own, places = shared(names, track.paths)
+    table[:, own] = slopes[:, places]
+    return table

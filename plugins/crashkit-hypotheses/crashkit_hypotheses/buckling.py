@@ -10,7 +10,7 @@ from attrs import evolve
 from crashkit.model import Joint, Model, Parameter
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import Effect, added, beside, grid, multiplied
-from crashkit_hypotheses.sizes import compressed, largest_deformation
+from crashkit_hypotheses.sizes import compressed, largest_deformation, of_joint
 
 FORCE = Parameter(0.0, 0.0, 1e8)
 BEFORE = 2.5
@@ -142,8 +142,8 @@ def _starts(reached: float, plateau: float) -> list[dict[str, float]]:
 
 def _plateau(motion: Sequence[xr.Dataset], joint: str) -> float:
     """m, deformation at which a joint first carries plainly less than in proportion to its deformation."""
-    deepest = max(motion, key=lambda run: float(run["deformation"].sel(joint=joint).max()))
-    deformation, force = (deepest[name].sel(joint=joint).values for name in ("deformation", "force"))
+    deepest = max(motion, key=lambda run: float(of_joint(run, "deformation", joint).max()))
+    deformation, force = (of_joint(deepest, name, joint) for name in ("deformation", "force"))
     reached = float(np.nanmax(deformation))
     loading = (np.arange(len(force)) <= np.nanargmax(deformation)) & (deformation > FIRST * reached)
     secant = force[loading] / deformation[loading]

@@ -12,6 +12,7 @@ from crashkit.model.edit import fresh_name, with_body, with_joint
 from crashkit.protocols import Hypothesis, Proposal
 from crashkit_hypotheses.build import forward, free_paths, grid, plane_inertia, proposal_at
 from crashkit_hypotheses.carried_contact import meets_obstacle
+from crashkit_hypotheses.sizes import of_body
 
 MASS_SHARES = (0.015, 0.05, 0.2)
 LEAST = 1e-3
@@ -84,9 +85,7 @@ class Carrier:
 
 def stop_of(motion: Sequence[xr.Dataset], body: str) -> tuple[float, float]:
     """How fast the body was before it was stopped, m s-1, and how long that took, s, in the middle of all runs."""
-    stops = [
-        _stop(one["velocity"].sel(body=body).isel(axis=0).values, one["time"].values) for one in motion if "velocity" in one
-    ]
+    stops = [_stop(of_body(one, "velocity", body)[:, 0], one["time"].values) for one in motion if "velocity" in one]
     speeds, durations = zip(*stops, strict=True) if stops else ((0.0,), (0.0,))
     speed, duration = float(np.median(speeds)), float(np.median(durations))
     return (speed, duration) if speed > 0.0 and duration > 0.0 else UNSEEN

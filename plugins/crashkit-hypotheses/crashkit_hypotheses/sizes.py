@@ -14,6 +14,18 @@ NEARER = 1e-3
 """m, least approach of two bodies that may touch."""
 
 
+def of_joint(motion: xr.Dataset, quantity: str, joint: str) -> np.ndarray:
+    """A quantity of one joint, (time,). From a bare variable: hypotheses ask hundreds of times, and named arrays take long."""
+    row = motion.variables["joint"].values.tolist().index(joint)
+    return np.asarray(motion.variables[quantity].transpose("time", "joint").values[:, row])
+
+
+def of_body(motion: xr.Dataset, quantity: str, body: str) -> np.ndarray:
+    """A quantity of one body, (time, axis)."""
+    row = motion.variables["body"].values.tolist().index(body)
+    return np.asarray(motion.variables[quantity].transpose("time", "body", "axis").values[:, row])
+
+
 def duration(motions: Sequence[xr.Dataset]) -> float:
     """s, of the longest run."""
     return max(float(motion["time"].values[-1]) for motion in motions)
@@ -21,24 +33,24 @@ def duration(motions: Sequence[xr.Dataset]) -> float:
 
 def largest_deformation(motions: Sequence[xr.Dataset], joint: str) -> float:
     """m, over all runs."""
-    return max(float(np.nanmax(motion["deformation"].sel(joint=joint).values)) for motion in motions)
+    return max(float(np.nanmax(of_joint(motion, "deformation", joint))) for motion in motions)
 
 
 def largest_extension(motions: Sequence[xr.Dataset], joint: str) -> float:
     """m, over all runs; 0 where it was never stretched."""
-    return max(float(-np.nanmin(motion["deformation"].sel(joint=joint).values, initial=0.0)) for motion in motions)
+    return max(float(-np.nanmin(of_joint(motion, "deformation", joint), initial=0.0)) for motion in motions)
 
 
 def largest_recoil(motions: Sequence[xr.Dataset], joint: str) -> float:
     """m, from the largest deformation back, over all runs."""
-    deformations = [motion["deformation"].sel(joint=joint).values for motion in motions]
+    deformations = [of_joint(motion, "deformation", joint) for motion in motions]
     return max(float(np.nanmax(np.fmax.accumulate(deformation) - deformation)) for deformation in deformations)
 
 
 def pulls(motions: Sequence[xr.Dataset], joint: str) -> bool:
     """Whether a joint pulled in some run."""
     stretched = largest_extension(motions, joint) > 0.0
-    return stretched and min(float(np.nanmin(one["force"].sel(joint=joint).values)) for one in motions) < 0.0
+    return stretched and min(float(np.nanmin(of_joint(one, "force", joint))) for one in motions) < 0.0
 
 
 def is_compressed(motions: Sequence[xr.Dataset], joint: str) -> bool:
@@ -48,7 +60,7 @@ def is_compressed(motions: Sequence[xr.Dataset], joint: str) -> bool:
 
 def gives_all_back(motions: Sequence[xr.Dataset], joint: str) -> bool:
     """Whether the force of a joint is the same on the way out and on the way back, in all runs."""
-    return all(_returned(one["deformation"].sel(joint=joint).values, one["force"].sel(joint=joint).values) for one in motions)
+    return all(_returned(of_joint(one, "deformation", joint), of_joint(one, "force", joint)) for one in motions)
 
 
 def _returned(deformation: np.ndarray, force: np.ndarray) -> bool:
@@ -65,33 +77,34 @@ def compressed(model: Model, motions: Sequence[xr.Dataset]) -> list[Joint]:
 
 def largest_force(motions: Sequence[xr.Dataset], joint: str) -> float:
     """N, over all runs."""
-    return max(float(np.nanmax(np.abs(motion["force"].sel(joint=joint).values))) for motion in motions)
+    return max(float(np.nanmax(np.abs(of_joint(motion, "force", joint)))) for motion in motions)
 
 
 def largest_rate(motions: Sequence[xr.Dataset], joint: str) -> float:
     """m s-1, over all runs."""
-    return max(float(np.nanmax(np.abs(motion["deformation_rate"].sel(joint=joint).values))) for motion in motions)
+    return max(float(np.nanmax(np.abs(of_joint(motion, "deformation_rate", joint)))) for motion in motions)
 
 
 def largest_speed(motions: Sequence[xr.Dataset], body: str | None = None) -> float:
     """m s-1 along an axis, of one body or of any, over all runs."""
-    velocities = [motion["velocity"] if body is None else motion["velocity"].sel(body=body) for motion in motions]
-    return max(float(np.nanmax(np.abs(velocity.values))) for velocity in velocities)
+    velocities = [
+        motion.variables["velocity"].values if body is None else of_body(motion, "velocity", body) for motion in motions
+    ]
+    return max(float(np.nanmax(np.abs(velocity))) for velocity in velocities)
 
 
 def largest_travel(motions: Sequence[xr.Dataset], body: str) -> float:
     """m, from where a body was at t = 0, over all runs."""
-    return max(_travel(motion["position"].sel(body=body)) for motion in motions)
+    return max(_travel(of_body(motion, "position", body)) for motion in motions)
 
 
-def _travel(position: xr.DataArray) -> float:
-    moved = position.transpose("time", "axis").values
-    return float(np.linalg.norm(moved - moved[0], axis=1).max())
+def _travel(position: np.ndarray) -> float:
+    return float(np.linalg.norm(position - position[0], axis=1).max())
 
 
 def largest_approach(motions: Sequence[xr.Dataset], first: str, second: str) -> float:
     """m, by how much two bodies come closer than they were at t = 0, over all runs."""
-    return max(_approach(motion["position"].sel(body=first) - motion["position"].sel(body=second)) for motion in motions)
+    return max(_approach(of_body(motion, "position", first) - of_body(motion, "position", second)) for motion in motions)
 
 
 def approaching(model: Model, motions: Sequence[xr.Dataset]) -> dict[tuple[str, str], float]:
@@ -103,8 +116,8 @@ def approaching(model: Model, motions: Sequence[xr.Dataset]) -> dict[tuple[str, 
     return {pair: approach for pair, approach in reached.items() if approach > NEARER}
 
 
-def _approach(separation: xr.DataArray) -> float:
-    distance = np.linalg.norm(separation.transpose("time", "axis").values, axis=1)
+def _approach(separation: np.ndarray) -> float:
+    distance = np.linalg.norm(separation, axis=1)
     return float(distance[0] - distance.min())
 
 
@@ -122,6 +135,5 @@ def sampling_interval(recordings: Sequence[xr.DataTree]) -> float:
 
 def braked_axis(motions: Sequence[xr.Dataset], body: str) -> str:
     """The axis along which the velocity of a body changes most, over all runs."""
-    velocities = [motion["velocity"].sel(body=body) for motion in motions]
-    changes = [(velocity.max("time") - velocity.min("time")).values for velocity in velocities]
-    return str(velocities[0]["axis"].values[np.max(changes, axis=0).argmax()])
+    changes = [np.ptp(of_body(motion, "velocity", body), axis=0) for motion in motions]
+    return str(motions[0]["axis"].values[np.max(changes, axis=0).argmax()])
