@@ -55,19 +55,23 @@ def error_values(
 
     Raises CrashkitError for a parameter that is not declared, or not of a single channel.
     """
-    shape = (len(channels), len(axes))
-    nulls = np.array([spec.null for spec in observer.errors], dtype=float)
-    block = np.repeat(nulls, len(channels) * len(axes)).reshape(len(nulls), *shape)
-    values = {spec.name: block[index] for index, spec in enumerate(observer.errors)}
+    block = _nulls(type(observer), len(channels), len(axes)).copy()
+    values = {spec.name: own for spec, own in zip(observer.errors, block, strict=True)}
     for place, given in sorted((errors or {}).items(), key=lambda entry: (entry[0] != "", entry[0] not in channels)):
-        known = set(values) if place == "" else set(values) - set(observer.instrument_errors)
-        here = np.array([[place in ("", channel, f"{channel}/{axis}") for axis in axes] for channel in channels])
+        here = _reached(place, tuple(channels), tuple(axes))
         for name, value in given.items():
-            if name not in known:
+            if name not in values or (place and name in observer.instrument_errors):
+                known = set(values) if place == "" else set(values) - set(observer.instrument_errors)
                 found = f"{name!r}{did_you_mean(name, known)}"
                 raise CrashkitError(f"{observer.name} {place!r}: expected an error of {sorted(known)}, found {found}")
-            values[name][here.reshape(shape)] = value
+            values[name][here] = value
     return values
+
+
+def coordinates(instrument: xr.Dataset, dims: Sequence[str]) -> list[np.ndarray]:
+    """The time stamps or labels along these dims: of their indexes, which tell them ten times faster than the variables do."""
+    indexes = instrument.xindexes
+    return [np.asarray(indexes[dim].to_pandas_index() if dim in indexes else instrument.variables[dim]) for dim in dims]
 
 
 def positions(observer: Observer, motion: xr.Dataset, dim: str, names: Sequence[str]) -> np.ndarray:
@@ -86,6 +90,20 @@ def prediction_coordinates(observer: Observer, motion: xr.Dataset, instrument: x
     for source, dims in ((instrument, instrument.variables[observer.quantity].dims), (motion, ("parameter",))):
         variables |= {str(dim): source.variables[dim] for dim in dims if dim in source.variables}
     return xr.Coordinates(variables, indexes={})
+
+
+@cache
+def _nulls(observer: type[Observer], channels: int, axes: int) -> np.ndarray:
+    """(error, channel, axis)."""
+    nulls = np.array([spec.null for spec in observer.errors], dtype=float)
+    return np.repeat(nulls, channels * axes).reshape(len(nulls), channels, axes)
+
+
+@cache
+def _reached(place: str, channels: tuple[str, ...], axes: tuple[str, ...]) -> np.ndarray:
+    """Which channels and axes an error of this place is of, (channel, axis)."""
+    reached = [[place in ("", channel, f"{channel}/{axis}") for axis in axes] for channel in channels]
+    return np.array(reached, dtype=bool).reshape(len(channels), len(axes))
 
 
 @cache

@@ -80,7 +80,7 @@ class Readout:
 
     def _felt(self, record: Floats) -> Floats:
         """What the channels show at all rows."""
-        shown = record[:, self.entries]
+        shown = record.take(self.entries, axis=1)
         for channel, others in enumerate(self.unfelt):
             for entry, times in others.items():
                 shown[:, channel] -= times * record[:, entry]

@@ -5,12 +5,17 @@ from collections.abc import Callable, Container
 import numpy as np
 from scipy.constants import g
 
-from crashkit.data.channel_filter import filter_channel
+from crashkit.data.channel_filter import ChannelFilter
 from crashkit.data.ringing import WHOLE, ringing, ringing_derivatives
 from crashkit_accelerometers.hysteresis import branch
 
 Own = dict[str, np.ndarray]
 """The value of every error parameter, by its name."""
+
+
+def acts(own: Own, *names: str) -> bool:
+    """Whether one of these errors is not 0; of few values `count_nonzero` tells that faster than `any`."""
+    return any(np.count_nonzero(own[name]) for name in names)
 
 
 class Chain:
@@ -56,8 +61,10 @@ class Chain:
         self.soften()
         self.knee()
         self.clip()
-        if self._acts("bias", "bias_drift", "zero_shift"):
+        if self._acts("bias", "bias_drift"):
             self.offset()
+        if self._acts("zero_shift"):
+            self.shift()
         self.filter(channel_frequency_class)
 
     def ring(self, oscillator: str) -> None:
@@ -73,13 +80,15 @@ class Chain:
         if self.errors is None:
             return
         self.errors[f"{oscillator}_share"] = change
-        if share.any():
+        if not share.any():
+            return
+        if self._asks(f"{oscillator}_frequency", f"{oscillator}_damping"):
             by_frequency, by_damping = ringing_derivatives(column, *mount)
             self.errors[f"{oscillator}_frequency"] = share * by_frequency[..., 0]
             self.errors[f"{oscillator}_damping"] = share * by_damping[..., 0]
-            if f"{oscillator}_path" in self._wanted:
-                with_damper, without = (ringing(column, *mount[:3], part)[..., 0] for part in (WHOLE, 0.0 * WHOLE))
-                self.errors[f"{oscillator}_path"] = share * (with_damper - without)
+        if self._asks(f"{oscillator}_path"):
+            with_damper, without = (ringing(column, *mount[:3], part)[..., 0] for part in (WHOLE, 0.0 * WHOLE))
+            self.errors[f"{oscillator}_path"] = share * (with_damper - without)
 
     def lean(self) -> None:
         """a cos(lean) + g sin(lean): behind the mount, to which gravity is no news."""
@@ -167,27 +176,32 @@ class Chain:
         self.value = np.clip(self.value, lowest, highest)
 
     def offset(self) -> None:
-        """bias + bias_drift t + zero_shift (1 + tanh((t - zero_shift_time) / zero_shift_rise)) / 2 + a."""
+        """bias + bias_drift t + a."""
         stamps = np.broadcast_to(self._times[:, None], self.value.shape)
+        self.value = self.value + self._own["bias"] + self._own["bias_drift"] * stamps
+        if self.errors is not None:
+            self.errors["bias_drift"] = stamps
+
+    def shift(self) -> None:
+        """zero_shift (1 + tanh((t - zero_shift_time) / zero_shift_rise)) / 2 + a."""
         shift, rise = self._own["zero_shift"], self._own["zero_shift_rise"]
-        since = (stamps - self._own["zero_shift_time"]) / rise
+        since = (self._times[:, None] - self._own["zero_shift_time"]) / rise
         step = 0.5 * (1.0 + np.tanh(since))
-        self.value = self.value + self._own["bias"] + self._own["bias_drift"] * stamps + shift * step
+        self.value = self.value + shift * step
         if self.errors is not None:
             slope = -2.0 * shift * step * (1.0 - step) / rise
-            self.errors |= {"bias_drift": stamps, "zero_shift": step}
-            self.errors |= {"zero_shift_time": slope, "zero_shift_rise": slope * since}
+            self.errors |= {"zero_shift": step, "zero_shift_time": slope, "zero_shift_rise": slope * since}
 
     def filter(self, channel_frequency_class: int) -> None:
         """The filter, which a constant passes unchanged; before the first sample the sensor felt nothing but gravity."""
         if self.errors is not None:
             self.errors = {name: column for name, column in self.errors.items() if name in self._wanted}
-        if channel_frequency_class:
-            self._filter(channel_frequency_class)
+        if channel_frequency_class and len(self._times) > 1:
+            self._filter(ChannelFilter.of(self._times, channel_frequency_class))
         if self.errors is not None and "bias" in self._wanted:
             self.errors["bias"] = np.ones_like(self.value)
 
-    def _filter(self, channel_frequency_class: int) -> None:
+    def _filter(self, filter: ChannelFilter) -> None:
         """All that is small at once; only what an offset and gravity leave was there before the first sample."""
         columns = {"": self.value, **(self.errors or {})}
         gain, lean = self._own["gain"], self._own.get("lean", np.zeros(1))
@@ -200,18 +214,20 @@ class Chain:
         starts = np.zeros((len(columns), self.value.shape[1]))
         for row, name in enumerate(columns):
             starts[row] = before.get(name, 0.0)
-        block = np.stack(list(columns.values()), axis=1)
-        block = filter_channel(block, self._times, channel_frequency_class, before=starts)
+        block = filter.filtered(np.stack(list(columns.values()), axis=1), starts)
         self.value = block[:, 0]
         if self.errors is not None:
             self.errors = {name: block[:, 1 + row] for row, name in enumerate(self.errors)}
         if self.model is not None:
-            self.model = filter_channel(self.model, self._times, channel_frequency_class, before=0.0)
+            self.model = filter.filtered(self.model, 0.0)
 
     def _acts(self, *names: str) -> bool:
         """Whether an effect changes the reading, or its derivatives are asked for."""
-        asked = self.errors is not None and any(name in self._wanted for name in names)
-        return asked or any(self._own[name].any() for name in names)
+        return self._asks(*names) or acts(self._own, *names)
+
+    def _asks(self, *names: str) -> bool:
+        """Whether its derivatives are asked for."""
+        return self.errors is not None and any(name in self._wanted for name in names)
 
     def _each(self, change: Callable[[np.ndarray], np.ndarray]) -> None:
         """Apply a linear map to every derivative; it takes and returns (time, channel, column)."""

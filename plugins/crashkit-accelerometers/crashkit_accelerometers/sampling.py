@@ -48,7 +48,7 @@ class Felt:
         return result.reshape(len(at), mixing.shape[0] * mixing.shape[1], columns.shape[3])
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _interpolate(
     nodes: np.ndarray, values: np.ndarray, rows: np.ndarray, mixing: np.ndarray, at: np.ndarray
 ) -> np.ndarray:  # pragma: no cover

@@ -4,13 +4,15 @@ from functools import cache
 
 import numpy as np
 
+from crashkit_accelerometers.chain import Own, acts
 from crashkit_accelerometers.error_specs import AXES
 from crashkit_accelerometers.rotations import cross_matrix, left_jacobian, turned
 
 Directions = tuple[np.ndarray, dict[str, np.ndarray]]
+TILT, TRANSVERSE = ([f"{kind}_{axis}" for axis in AXES] for kind in ("tilt", "transverse"))
 
 
-def directions(own: dict[str, np.ndarray], channels: tuple[str, ...], axes: tuple[str, ...]) -> Directions:
+def directions(own: Own, channels: tuple[str, ...], axes: tuple[str, ...]) -> Directions:
     """What each channel takes of each axis, and the derivatives of that to its errors.
 
     The row of the channel along the axis e is R(tilt) e + transverse, without the part of `transverse` along e.
@@ -23,10 +25,10 @@ def directions(own: dict[str, np.ndarray], channels: tuple[str, ...], axes: tupl
     Returns:
         (sensor, channel, axis) and, by the name of the error, its derivatives in the same shape where they are not 0.
     """
-    tilt, transverse = (np.stack([own[f"{kind}_{axis}"] for axis in AXES], axis=-1) for kind in ("tilt", "transverse"))
-    if tilt.any() or transverse.any():
-        return _directions(tilt, transverse, channels, axes)
-    return _aligned(len(tilt), channels, axes)
+    if not acts(own, *TILT, *TRANSVERSE):
+        return _aligned(len(own["gain"]), channels, axes)
+    tilt, transverse = (np.stack([own[name] for name in names], axis=-1) for names in (TILT, TRANSVERSE))
+    return _directions(tilt, transverse, channels, axes)
 
 
 @cache

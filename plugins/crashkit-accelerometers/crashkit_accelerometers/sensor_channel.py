@@ -1,15 +1,15 @@
 """From what sensors feel to what they record, and back to the bodies."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 import numpy as np
 import xarray as xr
-from attrs import frozen
+from attrs import evolve, frozen
 from xarray.core.indexing import LazilyIndexedArray
 
 from crashkit.data.channel_filter import frequency_class, since_contact
-from crashkit.data.instrument_errors import error_values, positions, prediction_coordinates, true_times
+from crashkit.data.instrument_errors import coordinates, error_values, positions, prediction_coordinates, true_times
 from crashkit.errors import CrashkitError
 from crashkit.protocols import Misread, Observer, Reading, SensorErrors, Shown
 from crashkit_accelerometers.chain import Chain, Own
@@ -23,8 +23,8 @@ DIMS = ("time", "sensor", "axis")
 
 def own_errors(observer: Observer, instrument: xr.Dataset, errors: SensorErrors | None) -> Own:
     """Every error parameter as one value for each channel, (sensor, axis)."""
-    sensors, axes = (instrument.variables[dim].values.tolist() for dim in DIMS[1:])
-    return error_values(observer, sensors, axes, errors)
+    sensors, axes = coordinates(instrument, DIMS[1:])
+    return error_values(observer, sensors.tolist(), axes.tolist(), errors)
 
 
 def bodies_of(observer: Observer, motion: xr.Dataset, instrument: xr.Dataset) -> np.ndarray:
@@ -64,20 +64,19 @@ def predict_channels(observer: Observer, motion: xr.Dataset, instrument: xr.Data
     Returns:
         The dataset that `Observer.predict` describes; derivatives to errors are computed only if they are looked at.
     """
-    axes = instrument.variables["axis"].values.tolist()
-    positions(observer, motion, "axis", axes)
-    cfc = frequency_class(instrument)
-    channels = Channels(felt, own, tuple(axes), instrument.variables["time"].values, cfc)
-    value, model = channels.values()
+    times, axes = coordinates(instrument, ("time", "axis"))
+    channels = Channels(felt, own, tuple(axes.tolist()), times, frequency_class(instrument))
+    positions(observer, motion, "axis", channels.axes)
+    read = channels.misread(())
     quantity, names = observer.quantity, tuple(spec.name for spec in observer.errors)
-    errors = Lazy((*value.shape, len(names)), partial(channels.by_errors, names))
+    errors = Lazy((*read.value.shape, len(names)), partial(channels.by_errors, names))
     units = instrument.variables[quantity].attrs.get("units", "")
     variables = {
-        quantity: xr.Variable(DIMS, value, {"units": units}),
+        quantity: xr.Variable(DIMS, read.value, {"units": units}),
         f"{quantity}_error_sensitivity": xr.Variable((*DIMS, "error"), LazilyIndexedArray(errors)),
     }
-    if model is not None:
-        variables[f"{quantity}_sensitivity"] = xr.Variable((*DIMS, "parameter"), model)
+    if read.slope is not None:
+        variables[f"{quantity}_sensitivity"] = xr.Variable((*DIMS, "parameter"), read.slope)
     return xr.Dataset(variables, prediction_coordinates(observer, motion, instrument))
 
 
@@ -85,14 +84,13 @@ def misread_channels(
     observer: Observer, shown: Shown, instrument: xr.Dataset, errors: SensorErrors, wanted: Sequence[str]
 ) -> Misread:
     """What sensors record, as `PlainObserver.misread` says."""
-    own = own_errors(observer, instrument, errors)
+    times, sensors, axes = coordinates(instrument, DIMS)
+    names = tuple(axes.tolist())
+    own = error_values(observer, sensors.tolist(), names, errors)
     value = shown.value.reshape(-1, *own["gain"].shape)
     slope = None if shown.slope is None else shown.slope.reshape(*value.shape, -1)
-    axes = tuple(instrument.variables["axis"].values.tolist())
-    felt = Felt(shown.times, value, slope, None, np.arange(value.shape[1]), axes)
-    cfc = frequency_class(instrument)
-    channels = Channels(felt, own, axes, instrument.variables["time"].values, cfc)
-    return Misread(*channels.values(), channels.by_errors(tuple(wanted)))
+    felt = Felt(shown.times, value, slope, None, np.arange(value.shape[1]), names)
+    return Channels(felt, own, names, times, frequency_class(instrument)).misread(tuple(wanted))
 
 
 @frozen(eq=False)
@@ -113,35 +111,22 @@ class Channels:
     times: np.ndarray
     channel_frequency_class: int
 
-    def values(self) -> tuple[np.ndarray, np.ndarray | None]:
-        """The readings and their derivatives to the model's parameters, NaN where the motion does not tell of them."""
-        mixing, _ = directions(self.own, self.axes, self.felt.axes)
-        at, stamps, known = self._at()
-        value = self.felt.sampled(self.felt.values, mixing, at)[..., 0]
-        model = None if self.felt.sensitivity is None else self.felt.sampled(self.felt.sensitivity, mixing, at)
-        chain = self._through(Chain(value, None, model, self._flat(), stamps))
-        return self._padded(chain.value, known), None if chain.model is None else self._padded(chain.model, known)
-
-    def by_errors(self, names: tuple[str, ...]) -> np.ndarray:
-        """The derivatives to these errors, (time, sensor, axis, error)."""
-        if not names:
-            return np.zeros((len(self.times), *self.own["gain"].shape, 0))
+    def misread(self, names: tuple[str, ...]) -> Misread:
+        """The readings and their derivatives, also to these errors; NaN where the motion does not tell of them."""
         felt, (at, stamps, known) = self.felt, self._at()
         mixing, by_direction = directions(self.own, self.axes, felt.axes)
-        errors = {n: felt.sampled(felt.values, change, at)[..., 0] for n, change in by_direction.items() if n in names}
-        if "clock_offset" in names or "clock_rate" in names:
-            lateness = self._lateness(mixing, at)
-            errors |= {"clock_offset": lateness, "clock_rate": stamps[:, None] * lateness}
-        if felt.by_point is not None:
-            by_point = felt.sampled(felt.by_point, mixing, at)
-            errors |= {f"position_{axis}": by_point[..., index] for index, axis in enumerate(AXES)}
         value = felt.sampled(felt.values, mixing, at)[..., 0]
-        chain = self._through(Chain(value, errors, None, self._flat(), stamps, names))
-        table = np.zeros((len(names), len(self.times), *self.own["gain"].shape))
-        for name, column in (chain.errors or {}).items():
-            own = table[names.index(name), known]
-            own[...] = column[len(column) - len(own) :].reshape(own.shape)
-        return np.moveaxis(table, 0, -1)
+        model = None if felt.sensitivity is None else felt.sampled(felt.sensitivity, mixing, at)
+        errors = self._errors(names, mixing, by_direction, at, stamps) if names else None
+        chain = Chain(value, errors, model, {name: values.ravel() for name, values in self.own.items()}, stamps, names)
+        if len(value):
+            chain.run(self.channel_frequency_class)
+        slope = None if chain.model is None else self._padded(chain.model, known)
+        return Misread(self._padded(chain.value, known), slope, self._table(names, chain.errors or {}, known))
+
+    def by_errors(self, names: tuple[str, ...]) -> np.ndarray:
+        """The derivatives to these errors alone, (time, sensor, axis, error)."""
+        return evolve(self, felt=evolve(self.felt, sensitivity=None)).misread(names).by_error
 
     def _at(self) -> tuple[np.ndarray, np.ndarray, slice]:
         """When the samples were taken of which the motion tells, their stamps, and which they are.
@@ -152,8 +137,24 @@ class Channels:
         known = self.felt.known(at)
         at, stamps = at[known], self.times[known]
         lacking = since_contact(at)
-        pace = np.ptp(stamps) / np.ptp(at) if len(lacking) else 1.0
+        if not len(lacking):
+            return at, stamps, known
+        pace = np.ptp(stamps) / np.ptp(at)
         return np.concatenate([lacking, at]), np.concatenate([stamps[:1] + pace * (lacking - at[:1]), stamps]), known
+
+    def _errors(
+        self, names: tuple[str, ...], mixing: np.ndarray, by_direction: Own, at: np.ndarray, stamps: np.ndarray
+    ) -> dict[str, np.ndarray]:
+        """What those of these errors that act before the chain change, (time, channel)."""
+        felt = self.felt
+        errors = {n: felt.sampled(felt.values, change, at)[..., 0] for n, change in by_direction.items() if n in names}
+        if "clock_offset" in names or "clock_rate" in names:
+            lateness = self._lateness(mixing, at)
+            errors |= {"clock_offset": lateness, "clock_rate": stamps[:, None] * lateness}
+        if felt.by_point is not None:
+            by_point = felt.sampled(felt.by_point, mixing, at)
+            errors |= {f"position_{axis}": by_point[..., index] for index, axis in enumerate(AXES)}
+        return {name: column for name, column in errors.items() if name in names}
 
     def _lateness(self, mixing: np.ndarray, at: np.ndarray) -> np.ndarray:
         """What a later clock changes: minus the rate, over one sample's width, as it jumps at the nodes."""
@@ -161,14 +162,6 @@ class Channels:
         felt, later = self.felt, np.minimum(at + half, self.felt.times[-1])
         rise = felt.sampled(felt.values, mixing, later) - felt.sampled(felt.values, mixing, at - half)
         return np.asarray(rise[..., 0] / (at - half - later)[:, None])
-
-    def _flat(self) -> Own:
-        return {name: values.ravel() for name, values in self.own.items()}
-
-    def _through(self, chain: Chain) -> Chain:
-        if len(chain.value):
-            chain.run(self.channel_frequency_class)
-        return chain
 
     def _padded(self, columns: np.ndarray, known: slice) -> np.ndarray:
         """The columns of the samples that are known, without those before them, and NaN for the others."""
@@ -180,6 +173,14 @@ class Channels:
         padded = np.full((len(self.times), *shape), np.nan)
         padded[known] = told
         return padded
+
+    def _table(self, names: tuple[str, ...], errors: Mapping[str, np.ndarray], known: slice) -> np.ndarray:
+        """The derivatives to these errors, 0 where the motion does not tell of them, (time, sensor, axis, error)."""
+        table = np.zeros((len(self.times), *self.own["gain"].shape, len(names)))
+        for name, column in errors.items():
+            own = table[known, ..., names.index(name)]
+            own[...] = column[len(column) - len(own) :].reshape(own.shape)
+        return table
 
 
 def reconstruct_bodies(observer: Observer, instrument: xr.Dataset, variable: str) -> xr.Dataset:

@@ -5,7 +5,15 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from crashkit.data.instrument_errors import CLOCK, CLOCK_ERRORS, ROCKING, error_values, prediction_coordinates, true_times
+from crashkit.data.instrument_errors import (
+    CLOCK,
+    CLOCK_ERRORS,
+    ROCKING,
+    coordinates,
+    error_values,
+    prediction_coordinates,
+    true_times,
+)
 from crashkit.data.schema import GroupSchema, Variable
 from crashkit.data.schemas import body_of, point_of, std_of
 from crashkit.protocols import Misread, ParameterSpec, PlainObserver, Reading, SensorErrors, Shown, TurningReading
@@ -45,12 +53,11 @@ class Film(PlainObserver):
 
     def predict(self, motion: xr.Dataset, instrument: xr.Dataset, errors: SensorErrors | None = None) -> xr.Dataset:
         """The markers' positions, as `Observer.predict` says."""
-        axes = instrument.variables["axis"].values.tolist()
-        own = error_values(self, instrument.variables["marker"].values.tolist(), axes, errors)
-        stamps = instrument.variables["time"].values
+        stamps, markers, axes = coordinates(instrument, DIMS)
+        own = error_values(self, markers.tolist(), axes.tolist(), errors)
         at = true_times(stamps, own)
         points = instrument.variables["marker_point"].values
-        seen = marker_motion(self, motion, instrument.variables["marker_body"].values.tolist(), points, axes, at)
+        seen = marker_motion(self, motion, instrument.variables["marker_body"].values.tolist(), points, axes.tolist(), at)
         read = _recorded(seen, stamps, at, own, [spec.name for spec in self.errors])
         predicted = {
             "position": xr.Variable(DIMS, read.value, {"units": "m"}),
@@ -71,9 +78,8 @@ class Film(PlainObserver):
 
     def misread(self, shown: Shown, instrument: xr.Dataset, errors: SensorErrors, wanted: Sequence[str]) -> Misread:
         """As `PlainObserver.misread` says."""
-        axes = instrument.variables["axis"].values.tolist()
-        own = error_values(self, instrument.variables["marker"].values.tolist(), axes, errors)
-        stamps = instrument.variables["time"].values
+        stamps, markers, axes = coordinates(instrument, DIMS)
+        own = error_values(self, markers.tolist(), axes.tolist(), errors)
         at = true_times(stamps, own)
         return _recorded(shown_motion(shown, len(axes), at), stamps, at, own, wanted)
 
@@ -104,16 +110,20 @@ def _recorded(
         slopes["rocking_share"] = gain * aside
     if share.any():
         displacement, velocity = displacement + share * aside, velocity + share * rocking.rate()
-        by_shape = rocking.derivatives()
-        slopes |= zip(("rocking_frequency", "rocking_damping"), (gain * share * one for one in by_shape), strict=True)
+        if "rocking_frequency" in wanted or "rocking_damping" in wanted:
+            by_shape = rocking.derivatives()
+            slopes |= zip(("rocking_frequency", "rocking_damping"), (gain * share * one for one in by_shape), strict=True)
         if slope is not None:
             slope = slope + share[..., None] * rocking.linear(slope - at[:, None, None, None] * seen.start_velocity_slope)
     late = -gain * velocity
-    slopes |= {"gain": displacement, "bias": np.ones_like(late)}
-    slopes |= {"clock_offset": late, "clock_rate": late * stamps[:, None, None]}
-    by_error = [slopes.get(name, np.zeros_like(late)) for name in wanted]
+    slopes |= {"gain": displacement, "clock_offset": late}
+    if "clock_rate" in wanted:
+        slopes["clock_rate"] = late * stamps[:, None, None]
+    by_error = np.zeros((*late.shape, len(wanted)))
+    for index, name in enumerate(wanted):
+        by_error[..., index] = 1.0 if name == "bias" else slopes.get(name, 0.0)
     return Misread(
         seen.start + gain * displacement + own["bias"],
         None if slope is None else seen.start_slope + gain[..., None] * slope,
-        np.stack(by_error, axis=-1) if by_error else np.zeros((*late.shape, 0)),
+        by_error,
     )

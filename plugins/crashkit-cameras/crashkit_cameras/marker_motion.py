@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 from attrs import frozen
+from numba import njit
 
 from crashkit.data.instrument_errors import positions
 from crashkit.errors import CrashkitError
@@ -65,36 +66,35 @@ def marker_motion(
         in_space: whether along an axis that the motion lacks the bodies rest at 0; if not, it is asked for.
     """
     times = motion.variables["time"].values
-    rows, before, after = _neighbours(times, at)
+    after = _next_node(times, at)
+    rows, places = np.unique(np.concatenate([[0], after - 1, after]), return_inverse=True)
     moving = [axis for axis in axes if axis in motion.variables["axis"].values] if in_space else axes
-    return _between(times[rows], _nodes(observer, motion, rows, bodies, points, axes, moving), before, after, at)
+    nodes = _nodes(observer, motion, rows, bodies, points, axes, moving)
+    return _between(times[rows], nodes, places[len(at) + 1 :], at)
 
 
 def shown_motion(shown: Shown, axes: int, at: np.ndarray) -> MarkerMotion:
     """The same from what an instrument shows of markers along so many axes."""
-    rows, before, after = _neighbours(shown.times, at)
 
     def by_marker(columns: np.ndarray | None) -> np.ndarray | None:
-        return None if columns is None else columns[rows].reshape(len(rows), -1, axes, *columns.shape[2:])
+        return None if columns is None else columns.reshape(len(columns), -1, axes, *columns.shape[2:])
 
     position, velocity = by_marker(shown.value), by_marker(shown.rate)
     assert position is not None and velocity is not None
     nodes = _Nodes(position, velocity, by_marker(shown.slope), by_marker(shown.rate_slope))
-    return _between(shown.times[rows], nodes, before, after, at)
+    return _between(shown.times, nodes, _next_node(shown.times, at), at)
 
 
-def _neighbours(times: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Which nodes are needed, the first among them, and between which two of these each of the times `at` is."""
-    after = np.searchsorted(times, at, side="right").clip(1, len(times) - 1)
-    rows, places = np.unique(np.concatenate([[0], after - 1, after]), return_inverse=True)
-    return rows, places[1 : len(at) + 1], places[len(at) + 1 :]
+def _next_node(times: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """The node that ends the interval in which, or next to which, each of the times `at` is."""
+    return np.searchsorted(times, at, side="right").clip(1, len(times) - 1)
 
 
-def _between(instants: np.ndarray, nodes: _Nodes, before: np.ndarray, after: np.ndarray, at: np.ndarray) -> MarkerMotion:
-    position, velocity = _interpolated(instants, nodes.position, nodes.velocity, before, after, at)
+def _between(instants: np.ndarray, nodes: _Nodes, after: np.ndarray, at: np.ndarray) -> MarkerMotion:
+    position, velocity = _interpolated(instants, nodes.position, nodes.velocity, after, at)
     if nodes.slope is None or nodes.velocity_slope is None:
         return MarkerMotion(position, velocity, nodes.position[0], nodes.velocity[0], None, None, None)
-    slope, _ = _interpolated(instants, nodes.slope, nodes.velocity_slope, before, after, at)
+    slope, _ = _interpolated(instants, nodes.slope, nodes.velocity_slope, after, at)
     return MarkerMotion(
         position, velocity, nodes.position[0], nodes.velocity[0], slope, nodes.slope[0], nodes.velocity_slope[0]
     )
@@ -153,23 +153,36 @@ def _values(observer: Observer, motion: xr.Dataset, name: str) -> np.ndarray:
 
 
 def _interpolated(
-    nodes: np.ndarray, position: np.ndarray, velocity: np.ndarray, before: np.ndarray, after: np.ndarray, at: np.ndarray
+    nodes: np.ndarray, position: np.ndarray, velocity: np.ndarray, after: np.ndarray, at: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Position and its rate at the times `at`, each between the nodes `before` and `after`, (time, ...)."""
-    column = (-1,) + (1,) * (position.ndim - 1)
-    h = (nodes[after] - nodes[before]).reshape(column)
-    s = (at - nodes[before]).reshape(column) / h
-    start, start_rate, end_rate = position[before], velocity[before], velocity[after]
-    step = position[after] - start
-    square = 3.0 * step / h - 2.0 * start_rate - end_rate
-    cube = start_rate + end_rate - 2.0 * step / h
-    value = start + h * s * (start_rate + s * (square + s * cube))
-    rate = start_rate + s * (2.0 * square + 3.0 * s * cube)
+    """Position and its rate at the times `at`, each before the node `after`, (time, ...)."""
+    count, shape = len(nodes), (len(at), *position.shape[1:])
+    value, rate = _hermite(nodes, position.reshape(count, -1), velocity.reshape(count, -1), after, at)
+    return value.reshape(shape), rate.reshape(shape)
 
-    early = at < nodes[0]
-    value[early] = position[0] + velocity[0] * (at[early] - nodes[0]).reshape(column)
-    rate[early] = velocity[0]
-    unknown = (at > nodes[-1]) | (early & (nodes[0] > 0.0))
-    value[unknown] = np.nan
-    rate[unknown] = np.nan
+
+@njit(cache=True, error_model="numpy")
+def _hermite(
+    nodes: np.ndarray, position: np.ndarray, velocity: np.ndarray, after: np.ndarray, at: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:  # pragma: no cover
+    """Of columns, (time, column). Plain loops: whole-array expressions would go through memory twenty times."""
+    value = np.full((len(at), position.shape[1]), np.nan)
+    rate = value.copy()
+    for time in range(len(at)):
+        if at[time] > nodes[-1] or (at[time] < nodes[0] and nodes[0] > 0.0):
+            continue
+        if at[time] < nodes[0]:
+            value[time] = position[0] + velocity[0] * (at[time] - nodes[0])
+            rate[time] = velocity[0]
+            continue
+        end = after[time]
+        h = nodes[end] - nodes[end - 1]
+        s = (at[time] - nodes[end - 1]) / h
+        for column in range(position.shape[1]):
+            start, start_rate, end_rate = position[end - 1, column], velocity[end - 1, column], velocity[end, column]
+            step = position[end, column] - start
+            square = 3.0 * step / h - 2.0 * start_rate - end_rate
+            cube = start_rate + end_rate - 2.0 * step / h
+            value[time, column] = start + h * s * (start_rate + s * (square + s * cube))
+            rate[time, column] = start_rate + s * (2.0 * square + 3.0 * s * cube)
     return value, rate
