@@ -102,11 +102,13 @@ def _geometry_faults(joint: Joint, model: Model, where: str) -> Iterator[Fault]:
 
 
 def _law_faults(name: str, unit: str, laws: Laws, where: str) -> Iterator[Fault]:
+    if name in laws and laws[name].unit == unit:
+        return
     kind = "laws" if unit == "N" else "factors"
     installed = sorted(law for law, plugin in laws.items() if plugin.unit == unit)
     if name not in laws:
         yield _unknown_law(name, kind, installed, laws, where)
-    elif laws[name].unit != unit:
+    else:
         expected = f'one of the {kind} with unit "{unit}" ({names(installed) or "none"})'
         yield Fault(where, expected, f'"{name}" with unit "{laws[name].unit}"')
 

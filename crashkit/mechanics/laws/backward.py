@@ -4,7 +4,7 @@ import ast
 from collections.abc import Callable, Iterator
 
 from crashkit.mechanics.laws.functions import DERIVATIVES
-from crashkit.mechanics.laws.program import Assign, Block, Branch, Return, assigned_in, names_in
+from crashkit.mechanics.laws.program import Assign, Block, Branch, Return, assigned_in, names_in, text_of
 from crashkit.mechanics.laws.text import taken, when
 
 OfLeaf = Callable[[Return], ast.expr | None]
@@ -57,7 +57,7 @@ def _read_in(block: Block, of_leaf: OfLeaf, of_branch: OfBranch) -> set[str]:
         else:
             expression = statement.value if isinstance(statement, Assign) else of_leaf(statement)
             names |= names_in(expression) if expression is not None else set()
-    return names - {"math"}
+    return names
 
 
 def _contributions(expression: ast.expr, seed: str, known: set[str], target: str = "") -> Iterator[str]:
@@ -78,17 +78,15 @@ def _pull(node: ast.expr, seed: str, target: str) -> Iterator[tuple[str, str]]:
                 if names_in(side):
                     yield from _pull(side, _times(seed, slope), target)
         case ast.Call(func=ast.Attribute(attr=name), args=[argument]):
-            yield from _pull(argument, _times(seed, DERIVATIVES[name].format(x=ast.unparse(argument), y=target)), target)
+            yield from _pull(argument, _times(seed, DERIVATIVES[name].format(x=text_of(argument), y=target)), target)
 
 
 def _slopes(op: ast.operator, left: ast.expr, right: ast.expr) -> tuple[str, str]:
     """Derivatives of `left op right` to its two sides."""
-    a, b = (ast.unparse(side) for side in (left, right))
+    if isinstance(op, ast.Add | ast.Sub):
+        return "1.0", "1.0" if isinstance(op, ast.Add) else "-1.0"
+    a, b = text_of(left), text_of(right)
     match op:
-        case ast.Add():
-            return "1.0", "1.0"
-        case ast.Sub():
-            return "1.0", "-1.0"
         case ast.Mult():
             return b, a
         case ast.Div():
@@ -105,7 +103,7 @@ def _power(base: str, exponent: ast.expr) -> str:
         case ast.Constant(value=float() as number):
             return f"{number} * {base} ** {number - 1.0}"
         case _:
-            return f"{ast.unparse(exponent)} * {base} ** ({ast.unparse(exponent)} - 1.0)"
+            return f"{text_of(exponent)} * {base} ** ({text_of(exponent)} - 1.0)"
 
 
 def _times(seed: str, slope: str) -> str:

@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 
 from crashkit.mechanics.laws.fold import evaluated, folded
-from crashkit.mechanics.laws.program import Assign, Branch, Return, Scope, names_in, returns
+from crashkit.mechanics.laws.program import Assign, Branch, Return, Scope, names_in, returns, text_of
 from crashkit.mechanics.laws.source import LawSource
 
 GREATER = (ast.Gt, ast.GtE)
@@ -105,14 +105,14 @@ class Branches(ABC):
     def merge(self, before: Scope, taken: tuple[Statements, Scope], other: tuple[Statements, Scope], dynamic: bool) -> None:
         """Give each name that the two sides leave with different values one variable that both assign."""
         self.scope = dict(before)
-        sides = [side for side in (taken, other) if not returns(tuple(side[0]))]
+        sides = [side for side in (taken, other) if not returns(side[0])]
         if len(sides) == 1:
             self.scope = sides[0][1]
         if len(sides) < 2:
             return
         for name in (name for name in taken[1] if name in other[1]):
             first, second = taken[1][name], other[1][name]
-            if isinstance(first, list) or isinstance(second, list) or ast.dump(first) == ast.dump(second):
+            if isinstance(first, list) or isinstance(second, list) or first is second or text_of(first) == text_of(second):
                 self.scope[name] = first
                 continue
             variable = self.fresh(name)
@@ -159,7 +159,7 @@ def name_of(variable: str) -> ast.expr:
 def _hand_over(statements: Statements, scope: Scope, name: str, variable: str, value: ast.expr) -> None:
     """Let a variable take over the value that a name has at the end of a side."""
     last = statements[-1] if statements else None
-    others = [other for key, other in scope.items() if key != name]
+    others = (other for key, other in scope.items() if key != name)
     if isinstance(last, Assign) and isinstance(value, ast.Name) and last.target == value.id and value not in others:
         statements[-1] = Assign(variable, last.value)
     else:

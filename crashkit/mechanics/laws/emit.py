@@ -7,7 +7,6 @@ every parameter, by going back through the statements. `guard`, only of a law th
 guard.
 """
 
-import ast
 import re
 from collections.abc import Callable, Iterable, Iterator
 from functools import cache
@@ -15,7 +14,7 @@ from functools import cache
 from crashkit.mechanics.laws.backward import go_back
 from crashkit.mechanics.laws.lower import lower
 from crashkit.mechanics.laws.own_branches import emit_own, has_own_branches
-from crashkit.mechanics.laws.program import Assign, Block, Branch, Program, Return, tests_of
+from crashkit.mechanics.laws.program import Assign, Block, Branch, Program, Return, text_of
 from crashkit.mechanics.laws.source import LawFunction, OutsideSubset
 from crashkit.mechanics.laws.text import indented, taken, when
 
@@ -55,8 +54,7 @@ def _mode(program: Program) -> str:
         if branch.bit is not None and side:
             yield f"mode |= {1 << branch.bit}"
 
-    block, _ = tests_of(program.block)
-    body = _forward(block, "live", head, lambda leaf: [])
+    body = _forward(program.tests, "live", head, lambda leaf: [])
     return _function(program, "law_mode", "p, o", ["mode = 0", *body, "return mode"])
 
 
@@ -65,7 +63,7 @@ def _frozen(program: Program) -> str:
         if branch.guard is not None:
             yield f"guard = min(guard, {_guard_of(branch, side)})"
 
-    body = _forward(program.block, "frozen", head, lambda leaf: [f"return {ast.unparse(leaf.value)}, guard"])
+    body = _forward(program.block, "frozen", head, lambda leaf: [f"return {text_of(leaf.value)}, guard"])
     return _function(program, "law_frozen", "p, o", ["guard = math.inf", *body], "mode, ")
 
 
@@ -74,13 +72,12 @@ def _distance(program: Program) -> str:
         if branch.guard is not None:
             yield f"if which == {branch.bit}: distance = {_guard_of(branch, side)}"
 
-    block, _ = tests_of(program.block)
-    body = _forward(block, "frozen", head, lambda leaf: [])
+    body = _forward(program.tests, "frozen", head, lambda leaf: [])
     return _function(program, "law_distance", "p, o", ["distance = math.inf", *body, "return distance"], "which, mode, ")
 
 
 def _partials(program: Program) -> str:
-    forward = _forward(program.block, "frozen", lambda branch, side: [], lambda leaf: [f"value = {ast.unparse(leaf.value)}"])
+    forward = _forward(program.block, "frozen", lambda branch, side: [], lambda leaf: [f"value = {text_of(leaf.value)}"])
     known: set[str] = set()
     backward = go_back(program.block, known, lambda leaf: leaf.value, lambda branch: None)
     return _derivatives(program, "law_partials", [*forward, *backward], known, "value")
@@ -92,16 +89,14 @@ def _guard(program: Program) -> str:
             yield f"distance = {_guard_of(branch, side)}"
             yield f"if distance < guard: guard = distance; nearest = {branch.bit}"
 
-    block, _ = tests_of(program.block)
     known: set[str] = set()
-    forward = ["guard = math.inf", "nearest = -1", *_forward(block, "frozen", head, lambda leaf: [])]
-    backward = go_back(block, known, lambda leaf: None, lambda branch: branch.guard)
+    forward = ["guard = math.inf", "nearest = -1", *_forward(program.tests, "frozen", head, lambda leaf: [])]
+    backward = go_back(program.tests, known, lambda leaf: None, lambda branch: branch.guard)
     return _derivatives(program, "law_guard", [*forward, *backward], known, "guard")
 
 
 def _guard_of(branch: Branch, side: bool) -> str:
-    assert branch.guard is not None
-    return ast.unparse(branch.guard) if side else f"-({ast.unparse(branch.guard)})"
+    return branch.distance if side else f"-({branch.distance})"
 
 
 def _derivatives(program: Program, name: str, body: list[str], known: set[str], value: str) -> str:
@@ -120,11 +115,11 @@ def _forward(block: Block, tests: str, head: Head, leaf: Leaf) -> list[str]:
     lines: list[str] = []
     for statement in block:
         if isinstance(statement, Assign):
-            lines.append(f"{statement.target} = {ast.unparse(statement.value)}")
+            lines.append(statement.text)
         elif isinstance(statement, Return):
             lines += leaf(statement)
         else:
             body = [*head(statement, True), *_forward(statement.body, tests, head, leaf)]
             orelse = [*head(statement, False), *_forward(statement.orelse, tests, head, leaf)]
-            lines += when(ast.unparse(statement.test) if tests == "live" else taken(statement), body, orelse)
+            lines += when(statement.comparison if tests == "live" else taken(statement), body, orelse)
     return lines

@@ -55,7 +55,7 @@ class _Lowering(Branches):
     def block(self, statements: Sequence[ast.stmt]) -> Block:
         out: Statements = []
         pending = list(statements)
-        while pending and not returns(tuple(out)):
+        while pending and not returns(out):
             statement = pending.pop(0)
             if isinstance(statement, ast.For):
                 pending[:0] = self.unrolled(statement)
@@ -237,4 +237,5 @@ class _Lowering(Branches):
 
 
 def _has_return(statement: ast.stmt) -> bool:
-    return any(isinstance(node, ast.Return) for node in ast.walk(statement))
+    within = [*getattr(statement, "body", []), *getattr(statement, "orelse", [])]
+    return isinstance(statement, ast.Return) or any(map(_has_return, within))

@@ -2,6 +2,7 @@
 
 import ast
 import builtins
+import copy
 import math
 from collections.abc import Callable
 from types import FunctionType, ModuleType
@@ -37,7 +38,7 @@ class _Texts(dict[FunctionType, str]):
         """Add a function and what it calls."""
         self.names[function] = name
         source = read_function(self.law, function.__name__, function)
-        tree = source.tree
+        tree = copy.deepcopy(source.tree)
         tree.name, tree.decorator_list, tree.returns = name, [], None
         tree = _Linked(source, lambda other: self.name_of(other, f"{name}_{other.__name__}")).visit(tree)
         tree.decorator_list = [ast.Name("jitted", ast.Load())]

@@ -1,7 +1,8 @@
 """A law as a short program that every emitter reads: single assignments, branches of one comparison, returns."""
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from functools import cached_property
 from typing import TypeAlias
 
 from attrs import frozen
@@ -13,6 +14,11 @@ class Assign:
 
     target: str
     value: ast.expr
+
+    @cached_property
+    def text(self) -> str:
+        """The statement as source."""
+        return f"{self.target} = {text_of(self.value)}"
 
 
 @frozen
@@ -31,6 +37,17 @@ class Branch:
     bit: int | None
     body: "Block"
     orelse: "Block"
+
+    @cached_property
+    def comparison(self) -> str:
+        """The test as source."""
+        return text_of(self.test)
+
+    @cached_property
+    def distance(self) -> str:
+        """The guard as source."""
+        assert self.guard is not None
+        return text_of(self.guard)
 
 
 @frozen
@@ -59,17 +76,36 @@ class Program:
     block: Block
     bits: int
 
+    @cached_property
+    def tests(self) -> Block:
+        """What of the block decides which branches are taken."""
+        return tests_of(self.block)[0]
+
 
 Scope: TypeAlias = dict[str, ast.expr | list[ast.expr]]
 """What each name of the law's source stands for at one point: a variable, a constant, or a vector of variables."""
 
 
 def names_in(expression: ast.expr) -> set[str]:
-    """The variables of an expression."""
-    return {node.id for node in ast.walk(expression) if isinstance(node, ast.Name)}
+    """The variables of an expression of a program."""
+    match expression:
+        case ast.Name(id=name):
+            return {name}
+        case ast.UnaryOp(operand=operand):
+            return names_in(operand)
+        case ast.BinOp(left=left, right=right) | ast.Compare(left=left, comparators=[right]):
+            return names_in(left) | names_in(right)
+        case ast.Call(args=[argument]):
+            return names_in(argument)
+    return set()
 
 
-def returns(block: Block) -> bool:
+def text_of(expression: ast.expr) -> str:
+    """An expression as source; most are no more than a variable."""
+    return expression.id if isinstance(expression, ast.Name) else ast.unparse(expression)
+
+
+def returns(block: Sequence[Assign | Branch | Return]) -> bool:
     """Whether every path through the block ends in a return."""
     if not block:
         return False

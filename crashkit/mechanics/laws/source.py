@@ -5,6 +5,7 @@ import inspect
 import textwrap
 from collections import ChainMap
 from collections.abc import Callable, Mapping
+from functools import cache
 from typing import Any, NoReturn
 
 from attrs import frozen
@@ -105,11 +106,7 @@ def read_law(
 def read_function(law: str, part: str, function: Callable[..., Any]) -> LawSource:
     """The source of a function that is, or is called by, the part of a law; raises OutsideSubset where it has none."""
     try:
-        if getattr(getattr(function, "__code__", None), "co_filename", "") == "<string>":
-            raise OSError("it is not in a file")  # Python 3.13 would lend it the text of another string that was run
-        lines, first_line = inspect.getsourcelines(function)
-        file = inspect.getsourcefile(function) or "?"
-        tree = ast.parse(textwrap.dedent("".join(lines))).body[0]
+        tree, file, first_line = _parsed(function)
     except (OSError, TypeError, SyntaxError) as error:
         raise OutsideSubset(
             f"spring law {law}: its {part} has no source that can be read ({error}); define it with def, in a file"
@@ -118,3 +115,12 @@ def read_function(law: str, part: str, function: Callable[..., Any]) -> LawSourc
         raise OutsideSubset(f"spring law {law} ({file}:{first_line}): expected {part} to be a function defined with def")
     enclosing = inspect.getclosurevars(function).nonlocals
     return LawSource(law, file, first_line, tree, ChainMap(dict(enclosing), function.__globals__))
+
+
+@cache
+def _parsed(function: Callable[..., Any]) -> tuple[ast.stmt, str, int]:
+    """The syntax tree of a function, which nobody may change for several laws may call it; its file and its first line."""
+    if getattr(getattr(function, "__code__", None), "co_filename", "") == "<string>":
+        raise OSError("it is not in a file")  # Python 3.13 would lend it the text of another string that was run
+    lines, first_line = inspect.getsourcelines(function)
+    return ast.parse(textwrap.dedent("".join(lines))).body[0], inspect.getsourcefile(function) or "?", first_line

@@ -1,6 +1,5 @@
 """Lines of source."""
 
-import ast
 from collections.abc import Iterable
 
 from crashkit.mechanics.laws.program import Branch
@@ -8,7 +7,7 @@ from crashkit.mechanics.laws.program import Branch
 
 def taken(branch: Branch) -> str:
     """The test of a branch that is frozen: its bit of the mode, or the comparison if it knows only parameters."""
-    return ast.unparse(branch.test) if branch.bit is None else f"mode & {1 << branch.bit}"
+    return branch.comparison if branch.bit is None else f"mode & {1 << branch.bit}"
 
 
 def when(test: str, body: list[str], orelse: list[str]) -> list[str]:
