@@ -2,16 +2,18 @@
 
 import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from functools import partial
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from attrs import evolve, field, frozen
 
+from crashkit.campaign import spread
 from crashkit.diagnose.proposed import check_models, proposed_by
-from crashkit.errors import CrashkitError
-from crashkit.mechanics import Engine, can_be_derived, compile_engine, functions_of
+from crashkit.errors import CrashkitError, SimulationError
+from crashkit.mechanics import Engine, Simulator, can_be_derived, compile_engine, functions_of
 from crashkit.misfit import Misfit
 from crashkit.misfit.predictor import STEP
 from crashkit.model import Model
@@ -67,7 +69,10 @@ class Workshop:
             with self._leaving_out(physics):
                 check_models((one for one in proposals if one.physics == physics), model, self.laws)
         models = [model, *(proposal.model for proposal in proposals if proposal.physics not in self.failed)]
-        return self.equipped([*models, *(_side_by_side(one) for one in models)])
+        models += [_side_by_side(one) for one in models]
+        # On a new computer one core compiles the kernel while another compiles the laws: what either leaves on disk is found.
+        spread(lambda compile_on_disk: compile_on_disk(), [partial(self._run, model), partial(self._compile, models)])
+        return self.equipped(models)
 
     def proposals(
         self, model: Model, motion: Sequence[xr.Dataset], recordings: Sequence[xr.DataTree], physics: str | None = None
@@ -80,6 +85,14 @@ class Workshop:
                 proposed = proposed_by(self.hypotheses[name], model, motion, recordings)
                 usable += [p for p in proposed if all(map(can_be_derived, functions_of(p.model, self.laws) - own))]
         return usable
+
+    def _run(self, model: Model) -> None:
+        """A first simulation, which compiles the kernel."""
+        with suppress(SimulationError):
+            Simulator(model, self.laws, self.equipped([model]).engine).record(np.array([0.0, 1e-6]))
+
+    def _compile(self, models: Sequence[Model]) -> None:
+        self.equipped(models)
 
     @contextmanager
     def _leaving_out(self, physics: str) -> Iterator[None]:
