@@ -24,6 +24,7 @@ from crashkit.diagnose.name.inquiry import Inquiry, open_claims
 from crashkit.diagnose.name.look import Look, compared
 from crashkit.diagnose.name.rivals import CONCEALED, HEATS
 from crashkit.diagnose.result import UNKNOWN, place_of
+from crashkit.model import Model
 from crashkit.protocols import Proposal
 
 CHALLENGERS = 2
@@ -114,12 +115,22 @@ def _challenged(inquiry: Inquiry, look: Look, claims: Sequence[Proposal]) -> Loo
     friction in proportion may have been on the way where a rate effect is not yet.
     """
     winner = look.leader
-    workshop = inquiry.workshop.equipped([claim.model for claim in claims])
-    misfits = [workshop.misfit(look.before, claim.model).with_values_of(winner.search.fitted()) for claim in claims]
+    workshop, present = inquiry.workshop.equipped([claim.model for claim in claims]), winner.search.fitted()
+    misfits = [
+        workshop.misfit(look.before, claim.model).with_values_of(present).with_values(_with_loads(claim, present.model))
+        for claim in claims
+    ]
     begun = begin_candidates(workshop.identifier, claims, misfits)
     fitted = ranked_by_evidence(heats(begun, HEATS, inquiry.progress), winner.without)
     ranked = best_forms(by_evidence([*look.rivals, *fitted]))
     return compared(look, ranked) if not is_unknown(ranked[0]) else look
+
+
+def _with_loads(claim: Proposal, present: Model) -> dict[str, float]:
+    """The masses that a claim frees, with the loads on these bodies that the present model has and the claim's has not."""
+    values, own = present.values(), {body.name for body in claim.model.bodies}
+    loads = {f"body.{body.carrier}.mass": f"body.{body.name}.mass" for body in present.bodies if body.name not in own}
+    return {path: values[path] + values[loads[path]] for path in claim.parameters if path in loads}
 
 
 def _contested(inquiry: Inquiry, look: Look, found: Sequence[Rival]) -> Look:

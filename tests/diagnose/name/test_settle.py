@@ -90,6 +90,22 @@ def fixed(values):
     return {name: Parameter(value, fixed=True) for name, value in values.items()}
 
 
+def test_a_mass_that_challenges_a_load_begins_with_it(workshop, inquiry, misfit, recorded, monkeypatch):
+    """From what the model says, with all else where the load had driven it, it may stay in a valley."""
+    rear = evolve(toys.two_degrees().body("rear").mass, fixed=True)
+    two = toys.two_degrees().with_parameters({"body.rear.mass": rear})
+    given = misfit(two, slow=recorded(two, 0.9, 1))
+    claims = {p.physics: p for p in propose_all(workshop, given) if p.location == {"body": "rear"} and not p.refined}
+    load, mass = claims["carried_load"], claims["added_mass"]
+    loaded = workshop.misfit(given, load.model).with_values({load.parameters[0]: 50.0})
+    winner = Rival(load, begin(workshop.identifier, loaded), 1e9, 1e9)
+    begun = []
+    monkeypatch.setattr(settle, "begin_candidates", lambda identifier, claims, misfits: begun.extend(misfits) or [])
+    monkeypatch.setattr(settle, "heats", lambda *_: [])
+    settle._challenged(inquiry(winner.search), Look((winner,), (1.0,), 0.0, given), [mass])
+    assert [one.model.values()["body.rear.mass"] for one in begun] == [pytest.approx(rear.value + 50.0)]
+
+
 @pytest.fixture
 def both_told(workshop, inquiry, misfit, recorded):
     """A claim and a dashpot, fitted together to recordings of a secret with one, in the light of claims of one number."""
