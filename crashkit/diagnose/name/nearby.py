@@ -195,7 +195,8 @@ def _two_of_all(inquiry: Inquiry, near: Look, alone: Search) -> Discovery | None
 def _first_two(inquiry: Inquiry, near: Look, alone: Search, asked: Iterable[Sequence[Couple]]) -> Discovery | None:
     """What the first of these couples leads to that leaves nothing to speak of and far less than one cause alone."""
     for couples in asked:
-        begun = both(inquiry, evolve(near, couples=tuple(couples))) if _are_all(couples, alone) else None
+        is_led = _are_all(couples, alone) and not _are_one_force(couples[0], near)
+        begun = both(inquiry, evolve(near, couples=tuple(couples))) if is_led else None
         if begun is not None:
             return followed(inquiry, [begun[0]], begun[1])[0]
     return None
@@ -213,6 +214,13 @@ def _are_all(couples: Sequence[Couple], alone: Search) -> bool:
     """Whether the first of these leaves nothing to speak of, and far less than one cause alone."""
     first = couples[0].search if couples else alone
     return first.normalised <= UNEXPLAINED and first.excess <= COUPLED * alone.excess
+
+
+def _are_one_force(couple: Couple, near: Look) -> bool:
+    """Whether both act at a place where one estimated force alone leaves less: they imitate one that no law tells."""
+    places = {place for _, place in couple.claims}
+    estimates = [rival.search for rival in near.rivals if is_unknown(rival) and {rival.place} == places]
+    return any(estimate.excess < couple.search.excess for estimate in estimates)
 
 
 def _at_its_best(inquiry: Inquiry, look: Look) -> tuple[Look, Search]:

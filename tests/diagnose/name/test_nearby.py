@@ -26,6 +26,10 @@ def leaving(normalised):
     return SimpleNamespace(normalised=normalised, excess=normalised**2 - 1.0, misfit=misfit, point=None)
 
 
+def claim(physics, place="rails"):
+    return Proposal(physics, "", {"joint": place}, None, (), {})
+
+
 @pytest.fixture
 def two(monkeypatch):
     """Whether two causes are told that leave so much, as the leaders, as two places, as the leaders in other forms, and as all
@@ -33,10 +37,10 @@ def two(monkeypatch):
     asked = []
 
     def answering(name, left):
-        couples = [Couple(None, None, leaving(one)) for one in left]
+        couples = [Couple(claim("peak_load"), claim("fracture"), leaving(one)) for one in left]
         return lambda *_: asked.append(name) or couples
 
-    def told(alone, leaders, places=(), everyone=(), base=9.0, forms=()):
+    def told(alone, leaders, places=(), everyone=(), base=9.0, forms=(), rivals=()):
         for name, left in {
             "coupled_leaders": leaders,
             "couples_at_two_places": places,
@@ -47,7 +51,7 @@ def two(monkeypatch):
         monkeypatch.setattr(nearby, "followed", lambda inquiry, begun, look: (begun[0].couples, look))
         claims = SimpleNamespace(couples=answering("from_given", everyone))
         inquiry = SimpleNamespace(base=leaving(base), from_given=claims)
-        question = inquiry, Look((), (), 1.0, None), leaving(alone)
+        question = inquiry, Look(tuple(rivals), (), 1.0, None), leaving(alone)
         found = _two_at_once(*question) or _two_of_all(*question)
         return [couple.search.normalised for couple in found] if found else None
 
@@ -58,6 +62,13 @@ def two(monkeypatch):
 def test_two_leaders_that_leave_next_to_nothing_are_followed(two):
     assert two(3.0, [1.05, 1.1], [1.0], [1.0]) == [1.05, 1.1]
     assert two.asked == ["coupled_leaders"]
+
+
+@pytest.mark.parametrize(("place", "left", "is_told"), [("rails", 1.02, False), ("rails", 1.08, True), ("mounts", 1.02, True)])
+def test_two_at_one_place_are_not_told_where_an_estimate_there_leaves_less(two, place, left, is_told):
+    """Two functions of the deformation imitate any other one."""
+    estimate = Rival(claim("unknown", place), leaving(left), 9.0, 9.0)
+    assert two(3.0, [1.05], rivals=[estimate]) == ([1.05] if is_told else None)
 
 
 def test_they_are_not_asked_for_where_one_alone_leaves_next_to_nothing(two):
