@@ -125,30 +125,36 @@ def damped_step(problem: Problem, search: Search, reach: float) -> np.ndarray:
     lower, upper = _within(problem, search, reach)
     scale = np.diag(search.curvature).copy()
     scale[scale <= 0] = max(float(scale.max(initial=0.0)), 1.0) * 1e-12
-    # Solved with the diagonal scaled to 1: the units of the variables have nothing to do with each other.
     root = np.sqrt(scale)
     damped = search.curvature / np.outer(root, root)
     damped.flat[:: len(root) + 1] += search.damping
-    slope, low, high = search.gradient / root, (lower - search.point) * root, (upper - search.point) * root
-    move = -np.linalg.solve(damped, slope)
-    if ((move < low) | (move > high)).any():
-        move = _least_within(damped, slope, move, low, high)
-    return move / root
+    move = -np.linalg.solve(damped, search.gradient / root) / root
+    target = search.point + move
+    if ((target >= lower) & (target <= upper)).all():
+        return move
+    return _stopped_step(search, damped * np.outer(root, root), lower, upper)
 
 
-def _least_within(matrix: np.ndarray, slope: np.ndarray, move: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """The least of a parabola within bounds, from the least of all, by taking variables to their bounds and back."""
-    free = np.ones(len(move), dtype=bool)
+def _stopped_step(search: Search, damped: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """The least of the damped parabola within bounds, by taking variables to their bounds and back."""
+    move, free = np.zeros(len(search.point)), np.ones(len(search.point), dtype=bool)
     for _ in range(3 * len(move) + 1):
-        outside = free & ((move < low) | (move > high))
-        move = np.where(outside, np.minimum(np.maximum(move, low), high), move)
-        downhill = slope + matrix @ move
-        inward = ~free & (low < high) & np.where(move <= low, downhill < 0.0, downhill > 0.0)
+        move[free] = _solved(damped[free][:, free], search.gradient[free] + damped[free][:, ~free] @ move[~free])
+        target = search.point + move
+        outside = free & ((target < lower) | (target > upper))
+        move[outside] = np.clip(target, lower, upper)[outside] - search.point[outside]
+        slope = search.gradient + damped @ move
+        inward = ~free & (lower < upper) & np.where(target <= lower, slope < 0.0, slope > 0.0)
         if not outside.any() and not inward.any():
             break
         free = free & ~outside if outside.any() else free | inward
-        move[free] = -np.linalg.solve(matrix[free][:, free], slope[free] + matrix[free][:, ~free] @ move[~free])
     return move
+
+
+def _solved(matrix: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+    """The step to the least of a parabola, solved with its diagonal scaled to 1."""
+    root = np.sqrt(np.diag(matrix))
+    return -np.linalg.solve(matrix / np.outer(root, root), gradient / root) / root
 
 
 def _within(problem: Problem, search: Search, reach: float) -> tuple[np.ndarray, np.ndarray]:
