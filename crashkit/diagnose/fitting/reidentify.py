@@ -57,13 +57,14 @@ def reidentify(workshop: Workshop, misfit: Misfit, everywhere: bool = True) -> S
 def understood(workshop: Workshop, misfit: Misfit) -> Search:
     """The best fit that is come to little by little, from the misfit's own values and where the equations of motion lead."""
 
-    def led() -> list[Mapping[str, float]]:
+    def ends(is_led: bool) -> list[Mapping[str, float]]:
+        if not is_led:
+            return [grown(workshop.identifier, misfit)]
         end = regression(workshop, misfit)
         return [] if end is None else [grown(workshop.identifier, misfit.with_values(end[0])), end[0]]
 
-    # First what takes longer.
-    led_ends, own_ends = spread(lambda ends: ends(), [led, lambda: [grown(workshop.identifier, misfit)]])
-    best = _fitted(workshop, misfit, [*own_ends, *led_ends])
+    led, own = spread(ends, [True, False])  # first what takes longer
+    best = _fitted(workshop, misfit, [*own, *led])
     return best if explains(best) else begun_from_given(wakened(workshop, best), misfit)
 
 
