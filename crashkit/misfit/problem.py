@@ -64,7 +64,7 @@ class Misfit(SearchVariables):
 
     @cached_property
     def predictor(self) -> Predictor:
-        """Of what the instruments would read; made when it is first asked: of many models only names and bounds are."""
+        """Of what the instruments would read; made when it is first asked or shared: of many models only bounds are."""
         return self._shared or Predictor(self.model, self.recordings, self.groups, self.simulator, self.step)
 
     @cached_property

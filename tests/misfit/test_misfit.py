@@ -482,3 +482,24 @@ def test_a_sum_of_numbers_that_are_all_fixed_says_nothing(misfit, model, recorde
     known = evolve(model.with_parameters(fixed), sums=(KnownSum(PARTS, 1e3, 0.1),))
     own = misfit(known, run=recorded(model))
     assert departure(own, own.start()) == 0.0
+
+
+def test_misfits_that_differ_in_free_values_predict_alike_by_turns(misfit, recorded):
+    """They share what is prepared of the runs, masses and the initial state among it, and leave each other's numbers alone."""
+    model = toys.two_degrees()
+    heavier = {"body.rear.mass": 1.1 * model.values()["body.rear.mass"]}
+    given = misfit(model, run=recorded(model))
+    other, alone = given.with_values(heavier), misfit(model.with_values(heavier), run=recorded(model))
+    assert other.predictor is given.predictor
+    first = given.residual(given.start())
+    np.testing.assert_array_equal(other.residual(other.start()), alone.residual(alone.start()))
+    np.testing.assert_array_equal(given.residual(given.start()), first)
+
+
+def test_a_value_that_is_fixed_makes_another_predictor(misfit, recorded):
+    path = "body.rear.mass"
+    model = toys.two_degrees()
+    fixed = model.with_parameters({path: evolve(model.parameters()[path], fixed=True)})
+    given, value = misfit(fixed, run=recorded(model)), 1.1 * model.values()[path]
+    other, alone = given.with_values({path: value}), misfit(fixed.with_values({path: value}), run=recorded(model))
+    np.testing.assert_array_equal(other.residual(other.start()), alone.residual(alone.start()))

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from crashkit.diagnose.name import force_matching
 from crashkit.diagnose.name.force_matching import most_alike
 from crashkit.mechanics.along import forces_along
 from crashkit.model import Joint, Parameter
@@ -35,6 +36,21 @@ def test_a_stop_gets_the_force_of_another_kind(workshop, misfit, recorded, stopp
     assert {name: value for name, value in values.items() if "stop." not in name} == {
         name: value for name, value in begun.values(begun.start()).items() if "stop." not in name
     }
+
+
+def test_slopes_are_those_of_the_forces(workshop, stopped, recorded):
+    model = stopped("quadratic_stop", coefficient=Parameter(3e6, 0.0, 1e12), stop_deformation=Parameter(0.2, 0.0, 1.0))
+    known = workshop.equipped([model]).first_misfit(model, {"run": recorded(model)})
+    names, motions = ["joint.stop.coefficient", "joint.stop.stop_deformation"], force_matching._motions(known)
+    tracks = force_matching._tracks(known, {frozenset(("wall", "front"))}, workshop.laws, motions)
+    stills = [np.zeros((*motion["position"].shape[:2], 1)) for motion in motions]
+    slopes = force_matching._slopes(known, tracks, stills, {}, names)
+    for column, name in enumerate(names):
+        value = model.values()[name]
+        less, more = (force_matching._forces(known, tracks, stills, {name: value * (1.0 + h)}) for h in (-1e-6, 1e-6))
+        expected = (more - less) / (2e-6 * value)
+        assert np.abs(expected).max() > 0.0
+        assert slopes[:, column] == pytest.approx(expected, rel=1e-4, abs=1e-6 * np.abs(expected).max())
 
 
 def test_what_has_no_force_is_left_where_it_is(workshop, misfit, model, recorded):
