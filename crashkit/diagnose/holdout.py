@@ -45,14 +45,22 @@ def fitted_together(
 
 
 def is_contradicted(discovery: Discovery, together: Search) -> bool:
-    """Whether no values of what was found explain all runs. Where nothing was found, or but one number of an instrument, there
-    is no form that may be off, and more than chance leaves says that something is missing. Of other findings, only channels
-    whose noise is told are witnesses, and they may leave of them what no further one would be told for."""
+    """Whether no values of what was found explain all runs, or nothing was found: the model's own numbers may make up for what
+    it lacks in all runs, too, if at other values, and hide it but for one cause. Beside one number of an instrument there is
+    no form that may be off, and more than chance leaves says that something is missing. Of other findings, only channels whose
+    noise is told are witnesses, and they may leave of them what no further one would be told for."""
+    if not discovery.findings:
+        return True
     if all(is_exact(look.leader.proposal) for look in discovery.findings):
         return not is_at_noise(together)
     base, left = (normalised(misfit, told_only=True) for misfit in (discovery.base, together.fitted()))
     share = TRACE if len(discovery.findings) == 1 else LEAST_THIRD
     return left > UNEXPLAINED and left**2 - 1.0 > share * (base**2 - 1.0)
+
+
+def says_more(asked_again: Discovery, together: Search) -> bool:
+    """Whether all runs say more than that the model explains them at other values: if not, those held out stay a test."""
+    return bool(asked_again.findings) or not is_at_noise(together)
 
 
 def leading_looks(discovery: Discovery) -> Sequence[Look]:

@@ -30,7 +30,7 @@ def refined(workshop: Workshop, discovery: Discovery, model: Model, recordings: 
     without, final = (workshop.misfit(thin, one.model) for one in (discovery.base, discovery.final))
     found_with = refine(workshop.identifier, final)
     found_without = _unexplained(workshop, without) if discovery.findings else found_with
-    findings, *searches = needed(workshop, discovery.findings, found_without, found_with)
+    findings, *searches = needed(workshop, discovery.findings, found_without, found_with, workshop.misfit(thin, model))
     searches = [sharpened(workshop, model, recordings, search) for search in searches]
     full = weighed_alike(workshop.first_misfit(model, recordings), found)
     base, final = (workshop.misfit(full, search.fitted().model) for search in searches)

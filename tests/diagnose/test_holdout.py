@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from crashkit.diagnose import holdout
-from crashkit.diagnose.holdout import is_contradicted
+from crashkit.diagnose.holdout import is_contradicted, says_more
 from crashkit.protocols import Proposal
 
 
@@ -47,3 +47,15 @@ def test_one_number_of_an_instrument_has_no_form_that_may_be_off(contradicted, m
         monkeypatch.setattr(holdout, "is_at_noise", lambda search, told=is_at_noise: told)
         assert contradicted(18.0, 1.1, findings=(CLOCK,)) != is_at_noise
         assert not contradicted(18.0, 1.1, findings=(LAW,))
+
+
+def test_where_nothing_was_found_all_runs_are_asked(contradicted):
+    """The model's own numbers may hide one cause in all runs, too."""
+    assert contradicted(1.0, 1.0, findings=())
+
+
+def test_what_all_runs_say_no_more_of_leaves_those_held_out_a_test(monkeypatch):
+    for is_at_noise in (False, True):
+        monkeypatch.setattr(holdout, "is_at_noise", lambda search, told=is_at_noise: told)
+        assert says_more(SimpleNamespace(findings=()), SimpleNamespace()) != is_at_noise
+        assert says_more(SimpleNamespace(findings=(LAW,)), SimpleNamespace())

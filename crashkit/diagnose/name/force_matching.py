@@ -28,6 +28,7 @@ def most_alike(present: Misfit, other: Misfit, names: Sequence[str], laws: Laws)
         present, other: misfits of models of the same bodies, at their values.
         names: paths of the numbers that may move; a free length is none of them.
     """
+    names = _with_room(other, names)
     pairs = {
         frozenset(joint.bodies) for joint in other.model.joints if any(n.startswith(f"joint.{joint.name}.") for n in names)
     }
@@ -36,7 +37,7 @@ def most_alike(present: Misfit, other: Misfit, names: Sequence[str], laws: Laws)
     wanted = _forces(present, _tracks(present, pairs, laws, motions), stills, {})
     start, (lower, upper) = other.start(), other.bounds()
     moving = [other.names.index(name) for name in names]
-    if not np.any(wanted):
+    if not names or not np.any(wanted):
         return other.values(start)
 
     def values(point: np.ndarray) -> dict[str, float]:
@@ -62,6 +63,12 @@ def most_alike(present: Misfit, other: Misfit, names: Sequence[str], laws: Laws)
     except SimulationError:  # a force without slopes
         return values(first)
     return values(found.x)
+
+
+def _with_room(misfit: Misfit, names: Sequence[str]) -> list[str]:
+    """The numbers whose bounds leave them any; a law's may be as large as a force that a joint never had."""
+    roomy = {name for name, lower, upper in zip(misfit.names, *misfit.bounds(), strict=True) if lower < upper}
+    return [name for name in names if name in roomy]
 
 
 @lru_cache(maxsize=4)

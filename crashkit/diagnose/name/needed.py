@@ -6,6 +6,7 @@ import numpy as np
 from attrs import evolve
 
 from crashkit.diagnose.claims import price_of
+from crashkit.diagnose.fitting.back_to_given import begun_at_given
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.rebuild import alone_again, rebuild
 from crashkit.diagnose.fitting.search import Search
@@ -23,25 +24,32 @@ Without = Mapping[tuple[str, str], Search | None]
 
 
 def needed(
-    workshop: Workshop, findings: Sequence[Look], base: Search, final: Search
+    workshop: Workshop, findings: Sequence[Look], base: Search, final: Search, given: Misfit
 ) -> tuple[tuple[Look, ...], Search, Search]:
     """The findings without which the fit is plainly worse, and the fits without any and with these.
 
     An early finding may only have led the search past a local optimum.
+
+    Arguments:
+        given: the model as the user gave it.
     """
     for look in findings:
         base = alone_again(base, [look.leader.search.fitted()])
-    kept, without = list(findings), _without_each(workshop, findings, base, final)
+    kept, without = list(findings), _without_each(workshop, findings, base, final, given)
     while spare := _spare(kept, without, final):
         kept, final = [look for look in kept if look is not spare], without[spare.leader.identity] or base
-        without = _without_each(workshop, kept, base, final)
+        without = _without_each(workshop, kept, base, final, given)
     told = [evolve(look, before=_before(workshop, look, without[look.leader.identity] or base)) for look in kept]
     return tuple(told), base, final
 
 
-def _without_each(workshop: Workshop, kept: Sequence[Look], base: Search, final: Search) -> Without:
-    rivals = [look.leader for look in kept]
-    return {one.identity: rebuild(workshop, base, [r for r in rivals if r is not one], final) for one in rivals}
+def _without_each(workshop: Workshop, kept: Sequence[Look], base: Search, final: Search, given: Misfit) -> Without:
+    """Beside others, a finding may make up for what they have driven the numbers of its joint to: those begin as given, too."""
+    rivals, fits = [look.leader for look in kept], dict[tuple[str, str], Search | None]()
+    for one in rivals:
+        fit, joint = rebuild(workshop, base, [r for r in rivals if r is not one], final), one.proposal.location.get("joint")
+        fits[one.identity] = begun_at_given(fit, given, str(joint)) if fit and joint and len(rivals) > 1 else fit
+    return fits
 
 
 def _spare(kept: Sequence[Look], without: Without, final: Search) -> Look | None:

@@ -113,7 +113,7 @@ class Fracture(Hypothesis):
         largest: float,
     ) -> list[Proposal]:
         """What only its loading curve loses, where its law takes another curve in."""
-        if " " in joint.law or f"{joint.law} + lost_force" not in load().spring_laws:
+        if largest == 0.0 or " " in joint.law or f"{joint.law} + lost_force" not in load().spring_laws:
             return []
         lost = {"lost_force": Parameter(0.0, 0.0, 2.0 * largest), **{n: p for n, p in softening.items() if n != "loss"}}
         curve = added(model, joint, Effect(self.physics, "of its loading curve", "lost_force", lost, "lost_force", starts))

@@ -46,7 +46,7 @@ class Tension(Hypothesis):
 
     def _limited(self, model: Model, joint: Joint, largest: float) -> list[Proposal]:
         law = load().spring_laws.get(joint.law)
-        if law is None or not any(spec.name == "tension_force" for spec in law.parameters):
+        if largest == 0.0 or law is None or not any(spec.name == "tension_force" for spec in law.parameters):
             return []
         pull = {"tension_force": Parameter(0.0, 0.0, largest), "tension": Parameter(1.0, 0.0, 1.0)}
         starts = [{"tension_force": 0.0}, *grid(tension_force=[share * largest for share in LIMITS], tension=SLOPES)]

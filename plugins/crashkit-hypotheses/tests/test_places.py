@@ -412,3 +412,16 @@ def test_whatever_the_law_of_a_joint_only_parameters_that_its_law_has_are_propos
         for joint in proposal.model.joints:
             known = {spec.name for name in (joint.law, *joint.factors) for spec in load().spring_laws[name].parameters}
             assert joint.parameters.keys() <= known, (proposal.physics, proposal.form, joint.law)
+
+
+@pytest.mark.parametrize("physics", sorted(load().hypotheses))
+def test_every_number_has_room_where_a_joint_never_pushed(propose, runs, physics):
+    """As one that only a strap holds: no force, no size of a force."""
+    slack = [run.assign(force=run["force"].where(run["joint"] != "first", 0.0)) for run in runs]
+    numbers = [
+        (proposal.form, path, number)
+        for proposal in propose(physics, motion=slack)
+        for path, number in proposal.model.parameters().items()
+        if path in proposal.parameters and not number.fixed
+    ]
+    assert not [(form, path) for form, path, number in numbers if not number.lower < number.upper]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from crashkit.diagnose.fitting.back_to_given import begun_from_given
+from crashkit.diagnose.fitting.back_to_given import begun_at_given, begun_from_given
 from crashkit.diagnose.fitting.search import begin
 from crashkit.testing import toys
 
@@ -22,6 +22,8 @@ def test_a_joint_that_was_driven_far_away_comes_back(workshop, identified, joint
     values = given.values(best.point)
     caught = begin(workshop.identifier, given.with_values({**values, path: 0.3 * values[path]}))
     assert begun_from_given(caught, given).deviance == pytest.approx(best.deviance, abs=1.0)
+    assert begun_at_given(caught, given, joint).deviance == pytest.approx(best.deviance, abs=1.0)
+    assert begun_at_given(caught, given, "no_such") is caught
 
 
 def test_what_the_given_values_do_not_better_stays(identified):

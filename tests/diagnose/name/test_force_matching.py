@@ -38,6 +38,15 @@ def test_a_stop_gets_the_force_of_another_kind(workshop, misfit, recorded, stopp
     }
 
 
+def test_numbers_whose_bounds_leave_no_room_stay(workshop, recorded, stopped):
+    present = stopped("linear_stop", stiffness=Parameter(8e4, fixed=True), stop_deformation=Parameter(0.5, fixed=True))
+    other = stopped("quadratic_stop", coefficient=Parameter(0.0, 0.0, 0.0), stop_deformation=Parameter(0.2, 0.2, 0.2))
+    equipped = workshop.equipped([present, other])
+    known, begun = (equipped.first_misfit(one, {"run": recorded(present)}) for one in (present, other))
+    names = ["joint.stop.coefficient", "joint.stop.stop_deformation"]
+    assert most_alike(known, begun, names, workshop.laws) == begun.values(begun.start())
+
+
 def test_slopes_are_those_of_the_forces(workshop, stopped, recorded):
     model = stopped("quadratic_stop", coefficient=Parameter(3e6, 0.0, 1e12), stop_deformation=Parameter(0.2, 0.0, 1.0))
     known = workshop.equipped([model]).first_misfit(model, {"run": recorded(model)})
