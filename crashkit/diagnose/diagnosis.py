@@ -8,7 +8,7 @@ from attrs import evolve
 
 from crashkit.campaign import one_thread
 from crashkit.diagnose.claims import Progress
-from crashkit.diagnose.fitting.evidence import UNEXPLAINED, explains, is_strained
+from crashkit.diagnose.fitting.evidence import UNEXPLAINED, explains, is_at_noise, is_strained
 from crashkit.diagnose.fitting.in_time import TimeLimit, in_time
 from crashkit.diagnose.fitting.reidentify import reidentify
 from crashkit.diagnose.fitting.search import STEPS, begin
@@ -62,7 +62,7 @@ def diagnose(
             looks = leading_looks(discovery)
             again, asked_again = _discovered_in(rehearsed, model, {**recordings, **holdout}, limit, looks)
             if says_more(asked_again, together) and (not limit.is_over or explains(asked_again.search)):
-                told = nothing_predicted(answer(again, asked_again, model, {}), tuple(holdout))
+                told = nothing_predicted(answer(again, asked_again, model, {}), tuple(holdout), is_at_noise(together))
                 return cut_short(told, seconds) if limit.is_over else told
         told = answer(equipped, discovery, model, holdout, together)
     except SimulationError as error:

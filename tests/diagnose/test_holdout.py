@@ -3,8 +3,9 @@
 from types import SimpleNamespace
 
 import pytest
+from attrs import evolve
 
-from crashkit.diagnose import holdout
+from crashkit.diagnose import diagnose, diagnosis, holdout
 from crashkit.diagnose.holdout import is_contradicted, says_more
 from crashkit.protocols import Proposal
 
@@ -59,3 +60,18 @@ def test_what_all_runs_say_no_more_of_leaves_those_held_out_a_test(monkeypatch):
         monkeypatch.setattr(holdout, "is_at_noise", lambda search, told=is_at_noise: told)
         assert says_more(SimpleNamespace(findings=()), SimpleNamespace()) != is_at_noise
         assert says_more(SimpleNamespace(findings=(LAW,)), SimpleNamespace())
+
+
+def test_a_run_that_nothing_explains_better_stays_held_out(workshop, model, recorded, monkeypatch):
+    asked, discovered_in = [], diagnosis._discovered_in
+    monkeypatch.setattr(diagnosis, "fitted_together", lambda workshop, discovery, *_: discovery.search)
+    monkeypatch.setattr(
+        diagnosis, "_discovered_in", lambda *arguments: asked.append(sorted(arguments[2])) or discovered_in(*arguments)
+    )
+    few = evolve(workshop, hypotheses={name: workshop.hypotheses[name] for name in ("bias", "clearance")})
+    unseen = {"faster.nc": recorded(model, 1.3, 3)}
+    answer = diagnose(model, {"slow.nc": recorded(model, 0.9, 1), "fast.nc": recorded(model, 1.2, 2)}, unseen, few)
+    assert asked == [["fast.nc", "slow.nc"], ["fast.nc", "faster.nc", "slow.nc"]]
+    assert answer.verdict == "consistent"
+    assert answer.fits["holdout"]["after"].normalised_rmse == pytest.approx(1.0, abs=0.1)
+    assert "fitted too" not in answer.summary

@@ -44,12 +44,19 @@ def needed(
 
 
 def _without_each(workshop: Workshop, kept: Sequence[Look], base: Search, final: Search, given: Misfit) -> Without:
-    """Beside others, a finding may make up for what they have driven the numbers of its joint to: those begin as given, too."""
-    rivals, fits = [look.leader for look in kept], dict[tuple[str, str], Search | None]()
+    rivals = [look.leader for look in kept]
+    fits: dict[tuple[str, str], Search | None] = {}
     for one in rivals:
-        fit, joint = rebuild(workshop, base, [r for r in rivals if r is not one], final), one.proposal.location.get("joint")
-        fits[one.identity] = begun_at_given(fit, given, str(joint)) if fit and joint and len(rivals) > 1 else fit
+        others = [rival for rival in rivals if rival is not one]
+        fit = rebuild(workshop, base, others, final)
+        fits[one.identity] = _as_given(fit, one, given) if fit and others else fit
     return fits
+
+
+def _as_given(without: Search, rival: Rival, given: Misfit) -> Search:
+    """Or from the given numbers of its joint: beside others a finding may make up for what these have driven them to."""
+    joint = rival.proposal.location.get("joint")
+    return begun_at_given(without, given, str(joint)) if joint else without
 
 
 def _spare(kept: Sequence[Look], without: Without, final: Search) -> Look | None:

@@ -152,11 +152,16 @@ def cut_short(diagnosis: Diagnosis, seconds: float) -> Diagnosis:
     return evolve(diagnosis, summary=f"{summary}\n{sentence}", notes=notes, time_up=seconds)
 
 
-def nothing_predicted(diagnosis: Diagnosis, runs: Sequence[str]) -> Diagnosis:
-    """The diagnosis that had to fit the runs that were held out, and says so."""
+def nothing_predicted(diagnosis: Diagnosis, runs: Sequence[str], at_other_values: bool) -> Diagnosis:
+    """The diagnosis that had to fit the runs that were held out, and says so.
+
+    Arguments:
+        at_other_values: whether what explained the other runs explains these beside them, too, only not as it had foretold.
+    """
+    how = "explains this only at other values of its" if at_other_values else "cannot explain this beside them, whatever its"
     sentence = (
-        f"{', '.join(runs)}: what explains the other runs cannot explain this beside them, whatever its numbers, so it was "
-        "fitted too; nothing here was predicted, hold another run out"
+        f"{', '.join(runs)}: what explains the other runs {how} numbers, so it was fitted too; nothing here was predicted, "
+        "hold another run out"
     )
     return evolve(diagnosis, summary=f"{diagnosis.summary}\n{sentence}", notes=(sentence, *diagnosis.notes))
 

@@ -10,7 +10,16 @@ from attrs import evolve, fields
 from crashkit.data.filter_ends import UNSETTLED
 from crashkit.diagnose.result import Alternative, Diagnosis, Estimate, Finding, Fit
 from crashkit.diagnose.show.fits import is_misleading
-from crashkit.diagnose.show.words import VERDICTS, cut_short, far_off, noted, number, of_prediction, summarise
+from crashkit.diagnose.show.words import (
+    VERDICTS,
+    cut_short,
+    far_off,
+    noted,
+    nothing_predicted,
+    number,
+    of_prediction,
+    summarise,
+)
 from crashkit.protocols import Status
 
 
@@ -104,6 +113,16 @@ def test_what_was_not_found_in_time_is_not_called_unknown():
     assert told.summary.startswith("Simulation and recordings differ; what explains it was not found in the time")
     assert told.notes[0].startswith("the time for questions was up after 5 s")
     assert told.time_up == 5.0
+
+
+@pytest.mark.parametrize(
+    ("at_other_values", "how"), [(True, "explains this only at other values of its"), (False, "cannot explain this beside")]
+)
+def test_a_run_that_had_to_be_fitted_is_no_test_any_more(at_other_values, how):
+    empty = dict.fromkeys(field.name for field in fields(Diagnosis))
+    told = nothing_predicted(Diagnosis(**{**empty, "summary": "", "notes": ()}), ["faster.nc"], at_other_values)
+    assert told.notes[0].startswith(f"faster.nc: what explains the other runs {how}") and told.notes[0] in told.summary
+    assert told.notes[0].endswith("nothing here was predicted, hold another run out")
 
 
 def test_without_held_out_runs_nothing_is_said_of_prediction():
