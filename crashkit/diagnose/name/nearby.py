@@ -12,6 +12,7 @@ from crashkit.diagnose.fitting.evidence import (
     Rival,
     best_forms,
     by_evidence,
+    explains,
     is_at_noise,
     is_strained,
     is_unknown,
@@ -48,6 +49,9 @@ LEADERS = 6
 """How many known causes that lead are put beside each other."""
 NEXT_TO_NOTHING = 0.05
 """Of what one cause alone leaves above the noise: two that leave less are hardly others, in whatever forms."""
+
+MANY_NUMBERS = 10
+"""A cause that has so many imitates much, as a body that turns and acts back."""
 
 
 @frozen
@@ -91,6 +95,8 @@ def followed_nearby(inquiry: Inquiry, near: Look) -> Nearby:
     two = _two_at_once(inquiry, near, search)
     if two is not None:
         return Nearby(near, two)
+    if _is_one_of_few_numbers(inquiry, winner, search):
+        return Nearby(near)
     return _with_a_second(inquiry, near, first if is_unknown(near.leader) else near, search)
 
 
@@ -100,6 +106,13 @@ def _is_pointed_away(near: Look, known: Rival) -> bool:
     least = FOLLOWED * known.search.excess
     elsewhere = [rival for rival in near.rivals if is_unknown(rival) and rival.place != known.place]
     return known.search.normalised > CONCEALED and any(rival.search.excess < least for rival in elsewhere)
+
+
+def _is_one_of_few_numbers(inquiry: Inquiry, winner: Rival, search: Search) -> bool:
+    """Whether one cause explains everything from the given values, where one of many numbers does not: from where the model
+    without it had been driven, that is not seen."""
+    is_imitated = len(winner.proposal.parameters) >= MANY_NUMBERS and not explains(search)
+    return is_imitated and in_time(False, lambda: one_explains(inquiry.from_given.singles))
 
 
 def _freed(inquiry: Inquiry, near: Look, known: Rival) -> Look:

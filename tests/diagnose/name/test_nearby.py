@@ -327,3 +327,24 @@ def test_the_best_known_cause_is_begun_from_the_given_values_where_an_estimate_l
     assert (told is not near) == is_first, why
     if is_first:
         assert (told.leader.search.normalised, claims) == (freed, ["clearance"])
+
+
+@pytest.mark.parametrize(
+    ("numbers", "left", "other", "is_followed"),
+    [(10, 1.1, 1.01, False), (10, 1.1, 1.09, True), (10, 1.01, 1.01, True), (9, 1.1, 1.01, True)],
+)
+def test_a_cause_of_many_numbers_is_not_followed_where_one_explains_all_as_given(
+    monkeypatch, numbers, left, other, is_followed
+):
+    """A body that turns and acts back imitates much."""
+    turning = evolve(claim("rotation"), parameters=tuple(map(str, range(numbers))))
+    leader = evolve(rival_at("rails", "rotation", left), proposal=turning)
+    single = rival_at("nose", "obstacle_motion", other)
+    near = Look((leader, rival_at("rails", "added_mass", 1.12)), (1.0, 0.0), 0.0, None)
+    monkeypatch.setattr(nearby, "_at_its_best", lambda inquiry, look: (look, look.leader.search))
+    monkeypatch.setattr(nearby, "_two_at_once", lambda *_: None)
+    monkeypatch.setattr(nearby, "check_pace", lambda *_: None)
+    monkeypatch.setattr(nearby, "_with_a_second", lambda inquiry, near, *_: Nearby(near, "followed"))
+    claims = SimpleNamespace(singles=[Candidate(single.proposal, single.search)])
+    found = followed_nearby(SimpleNamespace(base=leaving(1.3), from_given=claims), near).found
+    assert found == ("followed" if is_followed else None)
