@@ -10,6 +10,7 @@ from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.holdout import leading_looks
 from crashkit.diagnose.name import follow as questioned
+from crashkit.diagnose.name import needed as needed_findings
 from crashkit.diagnose.name.follow import (
     Discovery,
     _corrects,
@@ -32,14 +33,14 @@ from crashkit.protocols import Proposal
 
 def test_a_finding_that_the_fit_can_spare_is_dropped(workshop, offered):
     look, base, final = offered(0.0)
-    kept, _, without = needed(workshop, (look,), base, final)
+    kept, _, without = needed(workshop, (look,), base, final, base.misfit)
     assert kept == ()
     assert without.misfit.names == base.misfit.names
 
 
 def test_a_finding_that_the_fit_needs_is_kept(workshop, offered):
     look, base, final = offered(800.0)
-    kept, *searches = needed(workshop, (look,), base, final)
+    kept, *searches = needed(workshop, (look,), base, final, base.misfit)
     assert [one.rivals for one in kept] == [look.rivals]
     assert searches == [base, final]
 
@@ -89,9 +90,18 @@ def test_what_is_kept_is_seen_against_the_model_without_what_was_dropped(worksho
     """When it was found, a mass stood beside it that the final model does not have."""
     look, base, final = offered(800.0)
     loaded = with_body(model, evolve(model.body("front"), name="load", mass=Parameter(1.0, fixed=True), carrier="front"))
-    (kept,), _, _ = needed(workshop, (evolve(look, before=workshop.misfit(look.before, loaded)),), base, final)
+    (kept,), _, _ = needed(workshop, (evolve(look, before=workshop.misfit(look.before, loaded)),), base, final, base.misfit)
     assert kept.before.model == base.fitted().model
     assert kept.before.channels == look.before.channels
+
+
+@pytest.mark.parametrize(("location", "is_begun"), [({"joint": "rail"}, True), ({"body": "front"}, False)])
+def test_without_a_finding_the_numbers_of_its_joint_begin_as_given_too(monkeypatch, location, is_begun):
+    """Beside others it may make up for what they have driven them to."""
+    monkeypatch.setattr(needed_findings, "begun_at_given", lambda search, given, joint: (search, given, joint))
+    rival = SimpleNamespace(proposal=SimpleNamespace(location=location))
+    found = needed_findings._as_given("driven away", rival, "given")
+    assert found == (("driven away", "given", "rail") if is_begun else "driven away")
 
 
 def test_what_all_samples_do_not_pay_for_is_worthless(offered):
