@@ -15,7 +15,7 @@ from crashkit.diagnose.fitting.search import STEPS, begin
 from crashkit.diagnose.fitting.sharpen import ROUGHLY, as_heard, in_the_light_of, sharpened
 from crashkit.diagnose.fitting.thinning import thinned_by
 from crashkit.diagnose.fitting.thresholds import awake
-from crashkit.diagnose.holdout import fitted_together, is_contradicted, leading_looks, says_more
+from crashkit.diagnose.holdout import asks_again, fitted_together, leading_looks, says_more
 from crashkit.diagnose.locate.aside import are_at_odds
 from crashkit.diagnose.name.discover import discover
 from crashkit.diagnose.name.follow import Discovery
@@ -58,7 +58,7 @@ def diagnose(
     equipped, discovery = _discovered_in(rehearsed, model, recordings, limit)
     try:
         together = None if limit.is_over else fitted_together(equipped, discovery, model, recordings, holdout)
-        if together is not None and is_contradicted(discovery, together):
+        if together is not None and asks_again(discovery, together):
             looks = leading_looks(discovery)
             again, asked_again = _discovered_in(rehearsed, model, {**recordings, **holdout}, limit, looks)
             if says_more(asked_again, together) and (not limit.is_over or explains(asked_again.search)):

@@ -44,11 +44,14 @@ def fitted_together(
     return wakened(workshop, refine(workshop.identifier, workshop.misfit(both, final.model)))
 
 
-def is_contradicted(discovery: Discovery, together: Search) -> bool:
-    """Whether no values of what was found explain all runs, or nothing was found: the model's own numbers may make up for what
-    it lacks in all runs, too, if at other values, and hide it but for one cause. Beside one number of an instrument there is
-    no form that may be off, and more than chance leaves says that something is missing. Of other findings, only channels whose
-    noise is told are witnesses, and they may leave of them what no further one would be told for."""
+def asks_again(discovery: Discovery, together: Search) -> bool:
+    """Whether all runs are asked: no values of what was found explain them, or nothing was found.
+
+    The model's own numbers may make up for what it lacks in all runs, too, if at other values, and hide it but for one cause.
+    Beside one number of an instrument there is no form that may be off, and more than chance leaves says that something is
+    missing. Of other findings, only channels whose noise is told are witnesses, and they may leave of them what no further one
+    would be told for.
+    """
     if not discovery.findings:
         return True
     if all(is_exact(look.leader.proposal) for look in discovery.findings):

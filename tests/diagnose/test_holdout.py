@@ -6,7 +6,7 @@ import pytest
 from attrs import evolve
 
 from crashkit.diagnose import diagnose, diagnosis, holdout
-from crashkit.diagnose.holdout import is_contradicted, says_more
+from crashkit.diagnose.holdout import asks_again, says_more
 from crashkit.protocols import Proposal
 
 
@@ -24,12 +24,12 @@ def contradicted(monkeypatch):
     monkeypatch.setattr(holdout, "normalised", lambda misfit, told_only: misfit if told_only else 1.0)
 
     def asked(base, together, findings=(LAW,)):
-        return is_contradicted(SimpleNamespace(findings=findings, base=base), SimpleNamespace(fitted=lambda: together))
+        return asks_again(SimpleNamespace(findings=findings, base=base), SimpleNamespace(fitted=lambda: together))
 
     return asked
 
 
-def test_what_leaves_something_of_all_runs_is_contradicted(contradicted):
+def test_what_leaves_something_of_all_runs_asks_again(contradicted):
     assert contradicted(5.0, 1.3)
     assert not contradicted(5.0, 1.05)
 

@@ -128,7 +128,7 @@ def test_what_was_found_before_is_told(clock, damped):
 
 def test_where_all_is_asked_again_and_the_time_ends_that_the_first_answer_stands(clock, damped, monkeypatch):
     monkeypatch.setattr(diagnosis, "fitted_together", lambda workshop, discovery, *_: discovery.search)
-    monkeypatch.setattr(diagnosis, "is_contradicted", lambda *_: True)
+    monkeypatch.setattr(diagnosis, "asks_again", lambda *_: True)
     told = []
 
     def ends_with_the_second_asking(doing, share):
@@ -144,7 +144,7 @@ def test_where_all_is_asked_again_and_the_time_ends_that_the_first_answer_stands
 
 def test_where_the_second_asking_explains_everything_when_the_time_ends_it_stands(clock, damped, monkeypatch):
     monkeypatch.setattr(diagnosis, "fitted_together", lambda workshop, discovery, *_: discovery.search)
-    monkeypatch.setattr(diagnosis, "is_contradicted", lambda *_: True)
+    monkeypatch.setattr(diagnosis, "asks_again", lambda *_: True)
     asked, discovered_in = [], diagnosis._discovered_in
 
     def ends_with_the_last_question(workshop, model, recordings, limit, *looks):

@@ -104,6 +104,15 @@ def test_without_a_finding_the_numbers_of_its_joint_begin_as_given_too(monkeypat
     assert found == (("driven away", "given", "rail") if is_begun else "driven away")
 
 
+@pytest.mark.parametrize("findings", [1, 2])
+def test_that_is_asked_only_beside_others(monkeypatch, findings):
+    monkeypatch.setattr(needed_findings, "rebuild", lambda workshop, base, others, final: f"beside {len(others)}")
+    monkeypatch.setattr(needed_findings, "_as_given", lambda fit, rival, given: f"{fit}, {given}")
+    kept = [SimpleNamespace(leader=SimpleNamespace(identity=("gap", str(place)))) for place in range(findings)]
+    fits = needed_findings._without_each(None, kept, None, None, "as given")
+    assert set(fits.values()) == ({"beside 0"} if findings == 1 else {"beside 1, as given"})
+
+
 def test_what_all_samples_do_not_pay_for_is_worthless(offered):
     for damping, worthless in ((0.0, True), (800.0, False)):
         look, base, final = offered(damping)
