@@ -32,7 +32,7 @@ from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.last_estimates import estimated_at_last
 from crashkit.diagnose.name.look import FORM_ERRORS, Look, compared, led, look_again
-from crashkit.diagnose.name.narrowed import with_pulses
+from crashkit.diagnose.name.narrowed import as_bump, with_pulses
 from crashkit.diagnose.name.nearby import Nearby, followed_nearby
 from crashkit.diagnose.name.needed import price
 from crashkit.diagnose.name.other_first import begun_otherwise
@@ -73,6 +73,9 @@ def _near_then_wide(inquiry: Inquiry, near: Look | None) -> Discovery:
     base = inquiry.base
     near = near or _near(inquiry)
     near = in_time(near, with_pulses, inquiry, near)
+    bump = in_time(None, as_bump, inquiry, near)
+    if bump is not None:
+        return _won(base, bump)
     near = in_time(near, with_causes_pointed_to, inquiry, near)
     if base.normalised > CONCEALED:
         better = alone_again(base, [rival.search.fitted() for rival in near.rivals[:LED]])

@@ -1,4 +1,4 @@
-"""A short force of the time, which a table over the whole run is too coarse for, is told as one pulse."""
+"""A short force of the time is told as one pulse, and a narrow one of the deformation as one bump."""
 
 import pytest
 from attrs import evolve
@@ -8,7 +8,7 @@ from crashkit.diagnose.fitting.evidence import ranked_by_evidence
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name import narrowed
 from crashkit.diagnose.name.look import Look
-from crashkit.diagnose.name.narrowed import with_pulses
+from crashkit.diagnose.name.narrowed import as_bump, with_pulses
 from crashkit.diagnose.result import place_of
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_joint
@@ -50,3 +50,46 @@ def test_none_is_asked_for_where_a_table_leaves_nothing_or_another_claim_leads(a
     assert with_pulses(inquiry, elsewhere) is elsewhere
     monkeypatch.setattr(narrowed, "UNEXPLAINED", float("inf"))
     assert with_pulses(inquiry, look) is look
+
+
+DENT = {"bump_force": -4e4, "bump_deformation": 0.6, "bump_width": 0.08}
+"""N and m: the joint gives way for a while as it is crushed."""
+
+
+@pytest.fixture(scope="module")
+def dented(workshop, inquiry, misfit, recorded, model):
+    """Of a mass with a dent in its joint, an inquiry, and what the table of the deformation leaves, and folds."""
+    claims = propose_all(workshop, misfit(model, run=recorded(model)), "unknown")
+    dent = next(claim for claim in claims if claim.form == "bump").model
+    names = {path.rsplit(".", 1)[-1]: path for path in dent.parameters()}
+    true = dent.with_parameters({names[name]: evolve(dent.parameters()[names[name]], value=x) for name, x in DENT.items()})
+    given = misfit(model, slow=recorded(true, 0.9, 1), fast=recorded(true, 1.2, 2)).with_prior(0.3)
+    base = begin(workshop.identifier, given).advance(60)
+    forms = [p for p in propose_all(workshop, base.fitted()) if (p.physics, p.form) in FORMS]
+    starts = [workshop.misfit(base.fitted(), p.model).with_values({**p.null, **p.starts[0]}) for p in forms]
+    fits = [(p, begin(workshop.identifier, start).advance(40)) for p, start in zip(forms, starts, strict=True)]
+    return inquiry(base, given=given), Look.of(ranked_by_evidence(fits, base.deviance), base.fitted())
+
+
+FORMS = {("unknown", "deformation"), ("progressive_folding", "sine")}
+
+
+def test_a_narrow_force_of_the_deformation_is_told_as_a_bump(dented):
+    inquiry, look = dented
+    told = as_bump(inquiry, look)
+    assert [(rival.proposal.physics, rival.proposal.form) for rival in told.rivals] == [
+        ("unknown", "bump"),
+        ("progressive_folding", "sine"),
+    ]
+    values = {path.rsplit(".", 1)[-1]: told.leader.search.values[path] for path in told.leader.proposal.parameters}
+    assert values == pytest.approx(DENT, rel=0.1)
+
+
+def test_none_is_told_where_a_known_cause_explains_as_much_or_acts_elsewhere(dented):
+    inquiry, look = dented
+    table, folds = look.rivals
+    as_good = evolve(folds, search=as_bump(inquiry, look).leader.search)
+    elsewhere = evolve(folds, proposal=evolve(folds.proposal, location={"body": "wall"}))
+    for rival in (as_good, elsewhere):
+        assert as_bump(inquiry, evolve(look, rivals=(table, rival))) is None
+    assert as_bump(inquiry, evolve(look, rivals=(folds, table))) is None
