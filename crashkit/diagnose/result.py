@@ -15,11 +15,16 @@ UNKNOWN = "unknown"
 
 @frozen
 class Estimate:
-    """An identified number with its standard deviation, in `units`."""
+    """An identified number with its standard deviation, in `units`.
+
+    Attributes:
+        identifiable: whether the recordings see the number by itself; if not, it is one of many that fit equally well.
+    """
 
     value: float
     std: float
     units: str
+    identifiable: bool = True
 
 
 IN_WORDS = 0.01

@@ -35,7 +35,12 @@ def test_it_has_the_keys_of_the_schema(diagnosis: Diagnosis) -> None:
     assert finding["runs"] == ["run_1.nc", "run_2.nc", "run_3.nc", "holdout_1.nc"]
     assert finding["time"] == [0.0012, 0.094]
     assert finding["phase"] == "loading"
-    assert finding["parameters"]["rate_coefficient"] == {"value": 0.0221, "std": 0.0006, "units": "s m-1"}
+    assert finding["parameters"]["rate_coefficient"] == {
+        "value": 0.0221,
+        "std": 0.0006,
+        "units": "s m-1",
+        "identifiable": True,
+    }
     assert finding["alternatives"][0]["physics"] == "viscous_damping"
     assert finding["alternatives"][0]["probability"] == 0.021
 

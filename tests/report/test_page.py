@@ -13,7 +13,7 @@ import xarray as xr
 from attrs import evolve
 from jinja2 import UndefinedError
 
-from crashkit.diagnose.result import Alternative, Diagnosis, Fit
+from crashkit.diagnose.result import Alternative, Diagnosis, Estimate, Fit
 from crashkit.report import write_report
 from crashkit.report.page import render
 
@@ -120,6 +120,13 @@ def test_a_physics_that_may_be_at_either_of_two_places_is_told_with_both_togethe
     split = evolve(finding, probability=0.6, alternatives=(rival,))
     assert "(there or at another place: 90 %)" in render(evolve(diagnosis, findings=(split, *rest)))
     assert "at another place" not in render(diagnosis)
+
+
+def test_a_number_that_the_recordings_do_not_see_by_itself_has_no_deviation(diagnosis):
+    (finding, *rest) = diagnosis.findings
+    unseen = {"rate_coefficient": Estimate(0.0221, 350.0, "s m-1", identifiable=False)}
+    page = Page(render(evolve(diagnosis, findings=(evolve(finding, parameters=unseen), *rest))))
+    assert "rate coefficient 0.02210 not identifiable s/m" in page.sections["findings"]
 
 
 def test_what_was_to_be_expected_of_a_prediction_stands_beside_it(diagnosis):

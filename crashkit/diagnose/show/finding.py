@@ -28,7 +28,11 @@ def estimates(rival: Rival, identified: Identification, given: Collection[str] =
     rows = {path: table.sel(parameter=path) for path in paths if path in known}
     short = [own_name(path) for path in rows]
     told = {path: name if short.count(name) == 1 else path for path, name in zip(rows, short, strict=True)}
-    return {told[path]: Estimate(float(r["value"]), float(r["std"]), str(r["units"].values)) for path, r in rows.items()}
+    return {told[path]: _estimate(row) for path, row in rows.items()}
+
+
+def _estimate(row: xr.Dataset) -> Estimate:
+    return Estimate(float(row["value"]), float(row["std"]), str(row["units"].values), bool(row["identifiable"]))
 
 
 def _elsewhere(known: Collection[str], path: str, rival: Rival) -> str:

@@ -192,6 +192,8 @@ def number(estimate: Estimate) -> str:
     unit = "" if estimate.units == "1" else f" {estimate.units}"
     if not math.isfinite(estimate.std):
         return f"{estimate.value:.4g}{unit} (no interval)"
+    if not estimate.identifiable:
+        return f"{estimate.value:.4g}{unit} (not identifiable)"
     return f"{estimate.value:.4g} ± {estimate.std:.2g}{unit}"
 
 

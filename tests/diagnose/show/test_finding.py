@@ -84,7 +84,7 @@ def shifted(dataset):
 
 
 def identified(names, values, stds, units):
-    columns = {"value": values, "std": stds, "units": units}
+    columns = {"value": values, "std": stds, "units": units, "identifiable": [std < 0.25 for std in stds]}
     return xr.Dataset({name: ("parameter", column) for name, column in columns.items()}, coords={"parameter": names})
 
 
@@ -93,9 +93,9 @@ def test_estimates_bear_the_short_names_of_the_parameters():
     table = identified(names, [1.0, 2.0, 3.0], [0.1, 0.2, 0.3], ["N", "N", "m"])
     rival = SimpleNamespace(proposal=Proposal("peak_load", "bump", {}, None, tuple(names[1:]), {}), place="")
     told = estimates(rival, Identification(table, Status.CONVERGED, 0.0))
-    assert {name: (e.value, e.std, e.units) for name, e in told.items()} == {
-        "peak_force": (2.0, 0.2, "N"),
-        "peak_deformation": (3.0, 0.3, "m"),
+    assert {name: (e.value, e.std, e.units, e.identifiable) for name, e in told.items()} == {
+        "peak_force": (2.0, 0.2, "N", True),
+        "peak_deformation": (3.0, 0.3, "m", False),
     }
 
 

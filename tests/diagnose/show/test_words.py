@@ -30,6 +30,8 @@ from crashkit.protocols import Status
         (Estimate(0.25, 0.01, "1"), "0.25 ± 0.01"),
         (Estimate(0.02, math.nan, "m"), "0.02 m (no interval)"),
         (Estimate(0.02, math.inf, "m"), "0.02 m (no interval)"),
+        (Estimate(0.02, math.nan, "m", identifiable=False), "0.02 m (no interval)"),
+        (Estimate(0.02, 350.0, "m", identifiable=False), "0.02 m (not identifiable)"),
     ],
 )
 def test_a_number_is_told_with_its_deviation_if_it_has_one(estimate: Estimate, expected: str) -> None:
