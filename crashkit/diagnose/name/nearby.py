@@ -49,7 +49,8 @@ LEADERS = 6
 """How many known causes that lead are put beside each other."""
 NEXT_TO_NOTHING = 0.05
 """Of what one cause alone leaves above the noise: two that leave less are hardly others, in whatever forms."""
-
+HARDLY_MORE = 0.1
+"""Of what another leaves above the noise: in other forms a cause that leaves no more than that may leave less."""
 MANY_NUMBERS = 10
 """A cause that has so many imitates much, as a body that turns and acts back."""
 
@@ -175,7 +176,7 @@ def _is_led_elsewhere(singles: Sequence[Candidate], first: Look, search: Search)
 def _in_forms_together(inquiry: Inquiry, first: Look, look: Look, search: Search) -> Discovery | None:
     """What the first cause and the known one that leaves least beside it come to, if each in its best form they leave next to
     nothing: in a form that is off, the right two may leave much."""
-    known = [rival for rival in look.rivals if not is_unknown(rival)]
+    known = _pointed_to_first(look)
     if not known or not _is_followed(look, known[0], search):
         return None
     findings, end = with_one_more(inquiry, [first], compared(look, known), known[0])
@@ -184,6 +185,17 @@ def _in_forms_together(inquiry: Inquiry, first: Look, look: Look, search: Search
     if not leave_no_third(findings, end, inquiry.base):
         look = look_again(inquiry, end.fitted(), [one.leader for one in findings])
     return followed(inquiry, [*findings[:-1], findings[-1].led_by(evolve(findings[-1].leader, search=end))], look)[0]
+
+
+def _pointed_to_first(look: Look) -> list[Rival]:
+    """The known causes, that at the place of the estimate that leads ahead of those that leave hardly less: one of many numbers
+    imitates much beside a first cause in a form that is off."""
+    known = [rival for rival in look.rivals if not is_unknown(rival)]
+    if not known or not is_unknown(look.leader):
+        return known
+    most = (1.0 + HARDLY_MORE) * known[0].search.excess
+    pointed = [rival for rival in known if rival.place == look.leader.place and rival.search.excess < most]
+    return [*pointed, *(rival for rival in known if rival not in pointed)]
 
 
 def _is_followed(look: Look, claim: Rival, without: Search) -> bool:

@@ -232,6 +232,14 @@ def test_two_causes_that_leave_nothing_in_their_best_forms_are_followed_from_the
     assert asked == [["joint rails", f"joint {place}"]]
 
 
+@pytest.mark.parametrize(("pointed_to", "place"), [(1.93, "nose"), (2.2, "tail")])
+def test_of_two_that_leave_hardly_different_that_which_an_estimate_points_to_is_put_in_its_best_form(
+    together, pointed_to, place
+):
+    rivals = rival_at("nose", "unknown", 1.5), rival_at("tail", "rotation", 1.9), rival_at("nose", "tension", pointed_to)
+    assert together(1.05, *rivals, base=5.0) == ([3.0, 1.05], [["joint rails", f"joint {place}"]])
+
+
 def test_one_that_explains_little_is_put_in_its_best_form_where_an_estimate_at_its_place_explains_most(together):
     assert together(1.05, rival_at("rails", "unknown", 1.5), rival_at("rails", "clearance", 2.5))[0] == [3.0, 1.05]
 
