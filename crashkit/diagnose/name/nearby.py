@@ -188,8 +188,8 @@ def _in_forms_together(inquiry: Inquiry, first: Look, look: Look, search: Search
 
 
 def _pointed_to_first(look: Look) -> list[Rival]:
-    """The known causes, that at the place of the estimate that leads ahead of those that leave hardly less: one of many numbers
-    imitates much beside a first cause in a form that is off."""
+    """The known causes, that at the place of the estimate that leads ahead of those that leave hardly less: one of many
+    numbers imitates much beside a first cause in a form that is off."""
     known = [rival for rival in look.rivals if not is_unknown(rival)]
     if not known or not is_unknown(look.leader):
         return known

@@ -233,9 +233,7 @@ def test_two_causes_that_leave_nothing_in_their_best_forms_are_followed_from_the
 
 
 @pytest.mark.parametrize(("pointed_to", "place"), [(1.93, "nose"), (2.2, "tail")])
-def test_of_two_that_leave_hardly_different_that_which_an_estimate_points_to_is_put_in_its_best_form(
-    together, pointed_to, place
-):
+def test_of_two_that_leave_about_as_much_the_one_that_an_estimate_points_to_is_followed(together, pointed_to, place):
     rivals = rival_at("nose", "unknown", 1.5), rival_at("tail", "rotation", 1.9), rival_at("nose", "tension", pointed_to)
     assert together(1.05, *rivals, base=5.0) == ([3.0, 1.05], [["joint rails", f"joint {place}"]])
 
