@@ -54,6 +54,7 @@ def test_none_is_asked_for_where_a_table_leaves_nothing_or_another_claim_leads(a
 
 DENT = {"bump_force": -4e4, "bump_deformation": 0.6, "bump_width": 0.08}
 """N and m: the joint gives way for a while as it is crushed."""
+FORMS = {("unknown", "deformation"), ("progressive_folding", "sine")}
 
 
 @pytest.fixture(scope="module")
@@ -71,24 +72,25 @@ def dented(workshop, inquiry, misfit, recorded, model):
     return inquiry(base, given=given), Look.of(ranked_by_evidence(fits, base.deviance), base.fitted())
 
 
-FORMS = {("unknown", "deformation"), ("progressive_folding", "sine")}
+@pytest.fixture(scope="module")
+def bumped(dented):
+    """The same, led by a bump."""
+    return as_bump(*dented)
 
 
-def test_a_narrow_force_of_the_deformation_is_told_as_a_bump(dented):
-    inquiry, look = dented
-    told = as_bump(inquiry, look)
-    assert [(rival.proposal.physics, rival.proposal.form) for rival in told.rivals] == [
+def test_a_narrow_force_of_the_deformation_is_told_as_a_bump(bumped):
+    assert [(rival.proposal.physics, rival.proposal.form) for rival in bumped.rivals] == [
         ("unknown", "bump"),
         ("progressive_folding", "sine"),
     ]
-    values = {path.rsplit(".", 1)[-1]: told.leader.search.values[path] for path in told.leader.proposal.parameters}
+    values = {path.rsplit(".", 1)[-1]: bumped.leader.search.values[path] for path in bumped.leader.proposal.parameters}
     assert values == pytest.approx(DENT, rel=0.1)
 
 
-def test_none_is_told_where_a_known_cause_explains_as_much_or_acts_elsewhere(dented):
+def test_none_is_told_where_a_known_cause_explains_as_much_or_acts_elsewhere(dented, bumped):
     inquiry, look = dented
     table, folds = look.rivals
-    as_good = evolve(folds, search=as_bump(inquiry, look).leader.search)
+    as_good = evolve(folds, search=bumped.leader.search)
     elsewhere = evolve(folds, proposal=evolve(folds.proposal, location={"body": "wall"}))
     for rival in (as_good, elsewhere):
         assert as_bump(inquiry, evolve(look, rivals=(table, rival))) is None
