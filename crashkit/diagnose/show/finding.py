@@ -32,7 +32,9 @@ def estimates(rival: Rival, identified: Identification, given: Collection[str] =
 
 
 def _estimate(row: xr.Dataset) -> Estimate:
-    return Estimate(float(row["value"]), float(row["std"]), str(row["units"].values), bool(row["identifiable"]))
+    """One row of the table; a number that may be off by more than its bounds allow is not told, whatever its interval."""
+    std, room = float(row["std"]), float(row["upper"]) - float(row["lower"])
+    return Estimate(float(row["value"]), std, str(row["units"].values), bool(row["identifiable"]) and not std > room)
 
 
 def _elsewhere(known: Collection[str], path: str, rival: Rival) -> str:

@@ -85,6 +85,7 @@ def shifted(dataset):
 
 def identified(names, values, stds, units):
     columns = {"value": values, "std": stds, "units": units, "identifiable": [std < 0.25 for std in stds]}
+    columns |= {"lower": np.zeros(len(names)), "upper": np.full(len(names), 100.0)}
     return xr.Dataset({name: ("parameter", column) for name, column in columns.items()}, coords={"parameter": names})
 
 
@@ -97,6 +98,12 @@ def test_estimates_bear_the_short_names_of_the_parameters():
         "peak_force": (2.0, 0.2, "N", True),
         "peak_deformation": (3.0, 0.3, "m", False),
     }
+
+
+def test_a_number_that_may_be_off_by_more_than_its_bounds_allow_is_not_identifiable():
+    table = identified(["joint.front.loss"], [1.0], [0.1], ["1"]).assign(upper=("parameter", [0.05]))
+    rival = SimpleNamespace(proposal=Proposal("fracture", "", {}, None, ("joint.front.loss",), {}), place="")
+    assert not estimates(rival, Identification(table, Status.CONVERGED, 0.0))["loss"].identifiable
 
 
 def test_numbers_of_a_joint_are_found_where_another_finding_has_taken_their_place():
