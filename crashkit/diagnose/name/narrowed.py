@@ -43,7 +43,7 @@ def as_bump(inquiry: Inquiry, look: Look) -> Look | None:
     At the place of the best known cause two such together have about as many numbers as they need to follow a table.
     """
     known = next((rival for rival in look.rivals if not is_unknown(rival)), None)
-    if known is None or not _is_of_deformation(look.leader) or known.place != look.leader.place:
+    if known is None or not _is_of_deformation(look.leader.proposal) or known.place != look.leader.place:
         return None
     table = look.leader
     bumps = ranked_by_evidence(begun_beside(inquiry, table, look.before, _is_bump), table.without)
@@ -58,11 +58,11 @@ def _explains_what_is_left(bump: Rival, known: Rival) -> bool:
 
 
 def _is_bump(claim: Proposal) -> bool:
-    return claim.estimate_of in OF_DEFORMATION and claim.refined
+    return _is_of_deformation(claim) and claim.refined
 
 
-def _is_of_deformation(rival: Rival) -> bool:
-    return rival.proposal.estimate_of in OF_DEFORMATION
+def _is_of_deformation(claim: Proposal) -> bool:
+    return claim.estimate_of in OF_DEFORMATION
 
 
 def _is_table(claim: Proposal) -> bool:

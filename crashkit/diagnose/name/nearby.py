@@ -174,8 +174,8 @@ def _is_led_elsewhere(singles: Sequence[Candidate], first: Look, search: Search)
 
 
 def _in_forms_together(inquiry: Inquiry, first: Look, look: Look, search: Search) -> Discovery | None:
-    """What the first cause and the known one that leads beside it come to, if each in its best form they leave next to nothing:
-    in a form that is off, the right two may leave much."""
+    """What the first cause and the known one that leads beside it come to, if each in its best form they leave next to
+    nothing: in a form that is off, the right two may leave much."""
     known = _pointed_to_first(look)
     if not known or not _is_followed(look, known[0], search):
         return None
