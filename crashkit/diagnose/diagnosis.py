@@ -61,7 +61,7 @@ def diagnose(
         if together is not None and asks_again(discovery, together):
             looks = leading_looks(discovery)
             again, asked_again = _discovered_in(rehearsed, model, {**recordings, **holdout}, limit, looks)
-            if says_more(asked_again, together) and (not limit.is_over or explains(asked_again.search)):
+            if says_more(discovery, asked_again, together) and (not limit.is_over or explains(asked_again.search)):
                 told = nothing_predicted(answer(again, asked_again, model, {}), tuple(holdout), is_at_noise(together))
                 return cut_short(told, seconds) if limit.is_over else told
         told = answer(equipped, discovery, model, holdout, together)

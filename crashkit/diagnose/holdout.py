@@ -5,7 +5,7 @@ from functools import partial
 
 import xarray as xr
 
-from crashkit.diagnose.fitting.evidence import UNEXPLAINED, is_at_noise
+from crashkit.diagnose.fitting.evidence import UNEXPLAINED, is_at_noise, is_unknown
 from crashkit.diagnose.fitting.leftover import normalised
 from crashkit.diagnose.fitting.reidentify import refine
 from crashkit.diagnose.fitting.search import Search
@@ -61,8 +61,16 @@ def asks_again(discovery: Discovery, together: Search) -> bool:
     return left > UNEXPLAINED and left**2 - 1.0 > share * (base**2 - 1.0)
 
 
-def says_more(asked_again: Discovery, together: Search) -> bool:
-    """Whether all runs say more than that the model explains them at other values: if not, those held out stay a test."""
+def says_more(discovery: Discovery, asked_again: Discovery, together: Search) -> bool:
+    """Whether all runs say more than that the model explains them at other values: if not, those held out stay a test.
+
+    Nor does an estimated force at the place of one of several known causes that explain the fitted runs: it is that cause
+    beyond what these reach, in a form that no list has.
+    """
+    named = {look.leader.place for look in discovery.findings if not is_unknown(look.leader)}
+    estimated = {look.leader.place for look in asked_again.findings if is_unknown(look.leader)}
+    if len(discovery.findings) > 1 and named & estimated:
+        return False
     return bool(asked_again.findings) or not is_at_noise(together)
 
 

@@ -7,11 +7,17 @@ from attrs import evolve
 
 from crashkit.diagnose import diagnose, diagnosis, holdout
 from crashkit.diagnose.holdout import asks_again, says_more
+from crashkit.diagnose.result import place_of
 from crashkit.protocols import Proposal
 
 
 def finding(physics, location, *numbers):
-    return SimpleNamespace(leader=SimpleNamespace(proposal=Proposal(physics, "", location, None, numbers, {})))
+    proposal = Proposal(physics, "", location, None, numbers, {})
+    return SimpleNamespace(leader=SimpleNamespace(proposal=proposal, place=place_of(location)))
+
+
+def findings(*told):
+    return SimpleNamespace(findings=told)
 
 
 LAW = finding("bottoming", {"joint": "rail"}, "stiffness", "begin")
@@ -58,8 +64,16 @@ def test_where_nothing_was_found_all_runs_are_asked(contradicted):
 def test_what_all_runs_say_no_more_of_leaves_those_held_out_a_test(monkeypatch):
     for is_at_noise in (False, True):
         monkeypatch.setattr(holdout, "is_at_noise", lambda search, told=is_at_noise: told)
-        assert says_more(SimpleNamespace(findings=()), SimpleNamespace()) != is_at_noise
-        assert says_more(SimpleNamespace(findings=(LAW,)), SimpleNamespace())
+        assert says_more(findings(), findings(), SimpleNamespace()) != is_at_noise
+        assert says_more(findings(), findings(LAW), SimpleNamespace())
+
+
+def test_an_estimate_does_not_take_the_place_of_one_of_two_known_causes():
+    table = finding("unknown", {"joint": "rail"}, "heights[0]")
+    elsewhere = finding("unknown", {"joint": "mount"}, "heights[0]")
+    assert not says_more(findings(LAW, CLOCK), findings(table, CLOCK), SimpleNamespace())
+    assert says_more(findings(LAW, CLOCK), findings(elsewhere, CLOCK), SimpleNamespace())
+    assert says_more(findings(LAW), findings(table), SimpleNamespace())
 
 
 def test_a_run_that_nothing_explains_better_stays_held_out(workshop, model, recorded, monkeypatch):

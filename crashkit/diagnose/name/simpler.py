@@ -2,8 +2,8 @@
 
 from attrs import evolve
 
-from crashkit.diagnose.claims import accuses_instrument, is_same
-from crashkit.diagnose.fitting.candidates import Candidate, begin_candidates
+from crashkit.diagnose.claims import accuses_instrument, is_same, price_of
+from crashkit.diagnose.fitting.candidates import begin_candidates
 from crashkit.diagnose.fitting.contest import heats
 from crashkit.diagnose.fitting.couples import Couple
 from crashkit.diagnose.fitting.evidence import Rival, is_unknown
@@ -32,7 +32,7 @@ def in_fewer_numbers(inquiry: Inquiry, found: Discovery) -> Discovery:
     if len(look.leader.proposal.parameters) < MANY:
         return found
     couple = _best_couple(inquiry, look)
-    if couple is None or couple.cost > Candidate(look.leader.proposal, look.leader.search).priced - 0.5 * TIE:
+    if couple is None or not _is_more_evident(couple, look.leader):
         return found
     two = both(inquiry, evolve(look, couples=(couple,)))
     if two is None or two[0].winner is None:
@@ -41,11 +41,18 @@ def in_fewer_numbers(inquiry: Inquiry, found: Discovery) -> Discovery:
     return evolve(found, final=search.fitted(), search=search, findings=two)
 
 
+def _is_more_evident(couple: Couple, one: Rival) -> bool:
+    """Whether two claims explain more for their numbers than one, in deviance, as each has open noise levels of its own."""
+    samples = one.search.misfit.independent_samples
+    saved = price_of(one.proposal, samples) - price_of(couple.first, samples) - price_of(couple.second, samples)
+    return couple.search.deviance < one.search.deviance + saved - TIE
+
+
 def _best_couple(inquiry: Inquiry, look: Look) -> Couple | None:
     """The couple of the look's rivals of one number that leaves least; None if there is none."""
     plain = [rival for rival in look.rivals if len(rival.proposal.parameters) == 1 and not accuses_instrument(rival.proposal)]
     couples = [couple for first in plain[:LEADERS] for couple in _couples_with(inquiry, first, plain)]
-    return min(couples, key=lambda couple: couple.cost, default=None)
+    return min(couples, key=lambda couple: couple.search.deviance, default=None)
 
 
 def _couples_with(inquiry: Inquiry, first: Rival, plain: list[Rival]) -> list[Couple]:
