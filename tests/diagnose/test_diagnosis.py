@@ -195,6 +195,7 @@ def test_so_it_is_where_the_noise_of_an_instrument_is_open(stopping_late, model)
     assert (finding.physics, dict(finding.location)) == ("bottoming", {"joint": "first"})
 
 
+@pytest.mark.long
 def test_nor_does_an_open_noise_hide_it_beside_something_that_all_runs_show(stopping_late, with_dashpot):
     findings = stopping_late(with_dashpot, accelerometer=_filtered).findings
     assert {finding.physics for finding in findings} == {"viscous_damping", "bottoming"}

@@ -1,12 +1,13 @@
 """A look settled: its winner re-identified, challenged by what says it in fewer numbers, and by what says it as well."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
+import numpy as np
 from attrs import evolve
 
-from crashkit.diagnose.claims import accuses_instrument, identity, is_same
+from crashkit.diagnose.claims import Progress, accuses_instrument, form_of, identity, is_same
 from crashkit.diagnose.fitting.candidates import begin_candidates
-from crashkit.diagnose.fitting.contest import heats
+from crashkit.diagnose.fitting.contest import heats, promising, scores
 from crashkit.diagnose.fitting.evidence import (
     FLOOR,
     Rival,
@@ -24,6 +25,8 @@ from crashkit.diagnose.name.inquiry import Inquiry, open_claims
 from crashkit.diagnose.name.look import Look, compared
 from crashkit.diagnose.name.rivals import CONCEALED, HEATS
 from crashkit.diagnose.result import UNKNOWN, place_of
+from crashkit.diagnose.workshop import Workshop
+from crashkit.misfit import Misfit
 from crashkit.model import Model
 from crashkit.protocols import Proposal
 
@@ -116,14 +119,26 @@ def _challenged(inquiry: Inquiry, look: Look, claims: Sequence[Proposal]) -> Loo
     """
     winner = look.leader
     workshop, present = inquiry.workshop.equipped([claim.model for claim in claims]), winner.search.fitted()
+    origin = look.before.with_values_of(present)
+    starts = _promising_starts(workshop, origin, claims, inquiry.progress)
     misfits = [
-        workshop.misfit(look.before, claim.model).with_values_of(present).with_values(_with_loads(claim, present.model))
-        for claim in claims
+        workshop.misfit(origin, claim.model).with_values_of(origin).with_values({**start, **_with_loads(claim, present.model)})
+        for claim, start in zip(claims, starts, strict=True)
     ]
     begun = begin_candidates(workshop.identifier, claims, misfits)
-    fitted = ranked_by_evidence(heats(begun, HEATS, inquiry.progress), winner.without)
+    fitted = ranked_by_evidence(heats(begun, ((len(begun), HEATS[0][1]), *HEATS[1:]), inquiry.progress), winner.without)
     ranked = best_forms(by_evidence([*look.rivals, *fitted]))
     return compared(look, ranked) if not is_unknown(ranked[0]) else look
+
+
+def _promising_starts(
+    workshop: Workshop, origin: Misfit, claims: Sequence[Proposal], progress: Progress
+) -> list[Mapping[str, float]]:
+    """Where each claim begins: of several starts at that which promises most. A loss that begins elsewhere finds no way."""
+    several = [claim for claim in claims if len(claim.starts) > 1]
+    scored = scores(workshop, origin, several, 0.0, progress)
+    best = {form_of(claim): start for claim, start in promising(scored, 1, lambda claim: -np.inf)}
+    return [{path: v for path, v in best.get(form_of(c), {}).items() if path in c.parameters} for c in claims]
 
 
 def _with_loads(claim: Proposal, present: Model) -> dict[str, float]:
