@@ -64,8 +64,8 @@ def asks_again(discovery: Discovery, together: Search) -> bool:
 def says_more(discovery: Discovery, asked_again: Discovery, together: Search) -> bool:
     """Whether all runs say more than that the model explains them at other values: if not, those held out stay a test.
 
-    Nor does an estimated force at the place of one of several known causes that explain the fitted runs: it is that cause
-    beyond what these reach, in a form that no list has.
+    An estimated force at the place of one of several known causes that explain the fitted runs says no more: it is that
+    cause beyond what these reach, in a form that no list has.
     """
     named = {look.leader.place for look in discovery.findings if not is_unknown(look.leader)}
     estimated = {look.leader.place for look in asked_again.findings if is_unknown(look.leader)}

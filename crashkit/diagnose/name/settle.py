@@ -126,7 +126,8 @@ def _challenged(inquiry: Inquiry, look: Look, claims: Sequence[Proposal]) -> Loo
         for claim, start in zip(claims, starts, strict=True)
     ]
     begun = begin_candidates(workshop.identifier, claims, misfits)
-    fitted = ranked_by_evidence(heats(begun, ((len(begun), HEATS[0][1]), *HEATS[1:]), inquiry.progress), winner.without)
+    everyone = (len(begun), HEATS[0][1])  # begun without their physics all are alike, and none is behind yet
+    fitted = ranked_by_evidence(heats(begun, (everyone, *HEATS[1:]), inquiry.progress), winner.without)
     ranked = best_forms(by_evidence([*look.rivals, *fitted]))
     return compared(look, ranked) if not is_unknown(ranked[0]) else look
 
