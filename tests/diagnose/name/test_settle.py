@@ -17,6 +17,8 @@ from crashkit.model.edit import with_factor, with_joint
 from crashkit.testing import toys
 
 FRICTION = "joint_friction"
+LONGEST = 1.6
+"""m, about what the first joint of two is deformed by at most."""
 
 
 def test_a_winner_that_leaves_something_is_identified_again(workshop, inquiry, offered):
@@ -58,6 +60,30 @@ def test_whatever_may_act_at_the_place_of_a_winner_challenges_it(workshop, inqui
     told = settled(inquiry(begin(workshop.identifier, look.before)), evolve(look, rivals=(winner,)), winner, [])
     assert told.leader.identity == damper.identity
     assert told.leader.search.deviance == pytest.approx(final.deviance, abs=1.0)
+
+
+def test_a_challenger_begins_where_it_promises_most(workshop, inquiry, misfit, recorded):
+    """A joint that breaks late is not found from the first place where a loss may begin."""
+    two = toys.two_degrees()
+    loss = _claimed(workshop, misfit(two, run=recorded(two)), ("fracture", "compression"))
+    values = {"loss": 0.3, "softening_deformation": 0.5 * LONGEST, "softening_length": 0.1 * LONGEST}
+    wanted = {path: values[path.rsplit(".", 1)[1]] for path in loss.parameters}
+    true = loss.model.with_parameters({path: evolve(loss.model.parameters()[path], value=v) for path, v in wanted.items()})
+    base = begin(workshop.identifier, misfit(two, slow=recorded(true, 0.9, 1), fast=recorded(true, 1.2, 2))).advance(40)
+    stop = _claimed(workshop, base.fitted(), ("bottoming", "line"))
+    fit = begin(workshop.identifier, workshop.misfit(base.fitted(), stop.model).with_values(stop.starts[0])).advance(40)
+    (winner,) = ranked_by_evidence([(stop, fit)], base.deviance)
+    few = {name: workshop.hypotheses[name] for name in ("bottoming", "fracture")}
+    look = Look((winner,), (1.0,), 0.0, base.fitted())
+    told = settled(inquiry(base, given=base.fitted(), hypotheses=few), look, winner, [])
+    assert told.leader.identity == ("fracture", "joint first")
+    assert told.leader.search.values[loss.parameters[0]] == pytest.approx(0.3, rel=0.05)
+
+
+def _claimed(workshop, at, claim):
+    """What is claimed of the first joint."""
+    proposed = propose_all(workshop, at, claim[0])
+    return next(p for p in proposed if p.form == claim[1] and p.location == {"joint": "first"})
 
 
 @pytest.mark.parametrize("entered", [True, False])
