@@ -119,6 +119,6 @@ def _discovered_at_pace(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery:
     findings = (*beside, Look((found,), (1.0,), 0.0, base.fitted()))
     finer = Inquiry(workshop, base.misfit.with_values_of(inquiry.given), base, inquiry.progress)
     before = Discovery.of(base, found.search, findings)
-    told = in_time(before, discover, finer, findings)
+    told = in_time(before, discover, finer, findings, stand=True)
     is_worse = told.search.normalised > max(UNEXPLAINED, before.search.normalised)
     return before if is_worse else told

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from attrs import evolve
 
 from crashkit.diagnose.fitting.evidence import (
+    UNEXPLAINED,
     Rival,
     best_forms,
     by_evidence,
@@ -27,7 +28,7 @@ MOST = 3
 """How many rivals are tried, the contradicted one among them: its other forms may explain more."""
 
 
-def asked_first(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery | None:
+def asked_first(inquiry: Inquiry, looks: Sequence[Look], stand: bool = False) -> Discovery | None:
     """What these looks say of all runs, if it explains everything: the rivals of a single one, or the findings of several in
     other forms, which may leave too little for another to be told. Beside one number of an instrument, what the structure
     lacks is asked at once.
@@ -35,17 +36,18 @@ def asked_first(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery | None:
     Arguments:
         inquiry: into all runs.
         looks: as they were made without the run that contradicts the answer.
+        stand: whether none does, and several findings are only seen more finely: they may be all but one.
     """
     if len(looks) > 1:
-        return _in_other_forms(inquiry, looks)
+        return _in_other_forms(inquiry, looks, stand)
     rivals = [rival for look in looks for rival in look.rivals]
     if rivals and is_exact(rivals[0].proposal):
         return _beside_number(inquiry, looks[0])
     return _second_best(inquiry, rivals)
 
 
-def _in_other_forms(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery | None:
-    """The same findings, fitted to all runs, in the forms that suit these."""
+def _in_other_forms(inquiry: Inquiry, looks: Sequence[Look], stand: bool) -> Discovery | None:
+    """The same findings, fitted to all runs, in the forms that suit these; if they stand, with what is found beside them."""
     claims = [look.leader for look in looks]
     search = inquiry.fit_with(claims, claims[-1].search)
     if search is None:
@@ -53,7 +55,16 @@ def _in_other_forms(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery | None
     findings = [_with_all_runs(inquiry, look, claims, search) for look in looks]
     findings, search = in_best_forms(inquiry, findings, search)
     is_little = leave_no_third(findings, search, inquiry.base) and not is_strained(search)
-    return Discovery.of(inquiry.base, search, tuple(findings)) if explains(search) or is_little else None
+    if explains(search) or is_little:
+        return Discovery.of(inquiry.base, search, tuple(findings))
+    return _gone_on(inquiry, findings, search) if stand else None
+
+
+def _gone_on(inquiry: Inquiry, findings: Sequence[Look], search: Search) -> Discovery | None:
+    """The findings with what is found beside them, each questioned in the light of the others; None if that leaves much."""
+    look = look_again(inquiry, search.fitted(), [one.leader for one in findings])
+    found, _ = followed(inquiry, findings, look)
+    return found if found.search.normalised < UNEXPLAINED else None
 
 
 def _with_all_runs(inquiry: Inquiry, look: Look, claims: Sequence[Rival], search: Search) -> Look:

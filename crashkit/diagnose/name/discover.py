@@ -28,15 +28,16 @@ FOR_STRUCTURE = 0.6
 """Of the time for questions: what the instruments that agree may be asked before it is asked what is wrong with the others."""
 
 
-def discover(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery:
+def discover(inquiry: Inquiry, looks: Sequence[Look], stand: bool = False) -> Discovery:
     """All findings that the evidence supports, each in the light of the others, and at last in its best form.
 
     A plain form may leave no more than chance would, and another still be far more evident: what it foretells is better.
 
     Arguments:
         looks: whose claims are asked first, if there are any.
+        stand: whether nothing contradicts these.
     """
-    found = _instruments_first(inquiry, looks)
+    found = _instruments_first(inquiry, looks, stand)
     found = in_time(found, told_by_vanished, inquiry, found)
     if not explains(found.search):
         return found
@@ -47,8 +48,8 @@ def discover(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery:
     return evolve(found, findings=tuple(findings), search=search, final=search.fitted())
 
 
-def _instruments_first(inquiry: Inquiry, looks: Sequence[Look]) -> Discovery:
-    found = asked_first(inquiry, looks)
+def _instruments_first(inquiry: Inquiry, looks: Sequence[Look], stand: bool) -> Discovery:
+    found = asked_first(inquiry, looks, stand)
     if found is not None:
         return found
     checks = check_instruments(by_run(inquiry.given))

@@ -1,15 +1,19 @@
-"""Two causes at once, of those that lead alone: together they may leave nothing, where each alone leaves much."""
+"""Two causes at once, where each alone leaves much: of those that lead, or one that leads and what may give way beside it."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from functools import partial
 from itertools import combinations
 
+from crashkit.campaign import spread
 from crashkit.diagnose.claims import proposed_again
+from crashkit.diagnose.fitting.continuation import grown
 from crashkit.diagnose.fitting.couples import Couple, each_once, in_heats
 from crashkit.diagnose.fitting.evidence import Rival, is_unknown
-from crashkit.diagnose.fitting.search import Search, begin
-from crashkit.diagnose.name.forms import in_all_forms
-from crashkit.diagnose.name.inquiry import Inquiry
+from crashkit.diagnose.fitting.search import Search, begin, begin_all
+from crashkit.diagnose.name.forms import in_all_forms, with_form
+from crashkit.diagnose.name.inquiry import Inquiry, open_claims
 from crashkit.misfit import Misfit
+from crashkit.protocols import Proposal
 
 HEATS = ((None, 6), (4, 6), (2, 40))
 """How many couples enter each heat, and how many steps each gets there."""
@@ -33,6 +37,31 @@ def in_other_forms(inquiry: Inquiry, couples: Sequence[Couple], alone: Search) -
     """
     hopeful = [couple for couple in couples if couple.search.excess < HOPEFUL * alone.excess]
     return each_once([other for couple in hopeful for other in _with_second_in_all_forms(inquiry, couple)])
+
+
+def beside_what_gives_way(inquiry: Inquiry, first: Rival) -> list[Couple]:
+    """A first cause with each claim that sets free what the model holds fast, the most evident first.
+
+    Nobody saw that move: no equation of its motion was measured, and no derivative where it is at rest tells how it goes. So
+    they take in the recordings little by little, from the given numbers.
+    """
+    alone, held = first.search.fitted(), {body.name for body in inquiry.given.model.bodies if body.fixed}
+    claims = [p for p in open_claims(inquiry, alone, [first]) if not p.refined and _sets_free(p, held)]
+    equipped = inquiry.workshop.equipped([claim.model for claim in claims])
+    own = {path: first.search.values[path] for path in first.proposal.parameters}
+    origin = alone.with_values_of(inquiry.given).with_values(own)
+    begun = [
+        (claim, with_form(equipped, origin, claim, {**claim.null, **start})) for claim in claims for start in claim.starts
+    ]
+    told = partial(inquiry.progress, f"taking in the recordings with {first.proposal.physics} and what gives way")
+    ends = spread(lambda one: grown(equipped.identifier, one[1]), begun, lambda done: told(done / len(begun)))
+    searches = begin_all(equipped.identifier, [misfit.with_values(end) for (_, misfit), end in zip(begun, ends, strict=True)])
+    couples = [Couple(first.proposal, claim, search) for (claim, _), search in zip(begun, searches, strict=True)]
+    return each_once(in_heats(couples, HEATS))
+
+
+def _sets_free(claim: Proposal, held: Collection[str]) -> bool:
+    return any(body.name in held and not body.fixed for body in claim.model.bodies)
 
 
 def _with_second_in_all_forms(inquiry: Inquiry, couple: Couple) -> list[Couple]:

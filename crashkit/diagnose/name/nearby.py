@@ -34,7 +34,7 @@ from crashkit.diagnose.name.follow import (
 )
 from crashkit.diagnose.name.forms import in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry, claims_from_given, open_claims
-from crashkit.diagnose.name.leaders import coupled_leaders, in_other_forms
+from crashkit.diagnose.name.leaders import beside_what_gives_way, coupled_leaders, in_other_forms
 from crashkit.diagnose.name.look import FORM_ERRORS, Look, compared, look_again
 from crashkit.diagnose.name.pace import check_pace
 from crashkit.diagnose.name.pairs import both, named_beside, named_instead
@@ -214,7 +214,14 @@ def _two_of_all(inquiry: Inquiry, near: Look, alone: Search) -> Discovery | None
     its form: else these are asked later, after each alone."""
     if alone.excess >= FOLLOWED * inquiry.base.excess:
         return None
-    return _first_two(inquiry, near, alone, [inquiry.from_given.couples(alone.excess)])
+    return _first_two(inquiry, near, alone, _of_all(inquiry, near, alone))
+
+
+def _of_all(inquiry: Inquiry, near: Look, alone: Search) -> Iterator[list[Couple]]:
+    """Couples of all causes along the measured motion, and of the first one with what gives way, which that says little of."""
+    yield inquiry.from_given.couples(alone.excess)
+    first = next(rival for rival in near.rivals if not is_unknown(rival))
+    yield beside_what_gives_way(inquiry, evolve(first, search=alone))
 
 
 def _first_two(inquiry: Inquiry, near: Look, alone: Search, asked: Iterable[Sequence[Couple]]) -> Discovery | None:

@@ -1,13 +1,10 @@
 """A look settled: its winner re-identified, challenged by what says it in fewer numbers, and by what says it as well."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
-import numpy as np
 from attrs import evolve
 
-from crashkit.diagnose.claims import Progress, accuses_instrument, form_of, identity, is_same
-from crashkit.diagnose.fitting.candidates import begin_candidates
-from crashkit.diagnose.fitting.contest import heats, promising, scores
+from crashkit.diagnose.claims import accuses_instrument, identity
 from crashkit.diagnose.fitting.evidence import (
     FLOOR,
     Rival,
@@ -20,20 +17,18 @@ from crashkit.diagnose.fitting.evidence import (
     rival_of,
 )
 from crashkit.diagnose.fitting.search import Search
+from crashkit.diagnose.name.challenge import challenged, challengers
 from crashkit.diagnose.name.forms import in_all_forms
 from crashkit.diagnose.name.inquiry import Inquiry, open_claims
 from crashkit.diagnose.name.look import Look, compared
-from crashkit.diagnose.name.rivals import CONCEALED, HEATS
-from crashkit.diagnose.result import UNKNOWN, place_of
-from crashkit.diagnose.workshop import Workshop
-from crashkit.misfit import Misfit
-from crashkit.model import Model
+from crashkit.diagnose.name.rivals import CONCEALED
+from crashkit.diagnose.result import place_of
 from crashkit.protocols import Proposal
 
-CHALLENGERS = 2
-"""How many of its rivals with fewer numbers challenge a winner."""
 CLOSE = 1.1
 """Normalised residual of a rival in a plain form that another form may bring to the noise."""
+CLOSEST = 2
+"""How many of these are asked for in all their forms."""
 LITTLE = 0.05
 """Of chi squared without it: a winner that leaves less may be off in its form only, or be another at its place that is."""
 NEARLY = 0.9
@@ -53,8 +48,8 @@ def settled(inquiry: Inquiry, look: Look, winner: Rival, found: Sequence[Rival])
     look = reidentified(inquiry, look, winner)
     if is_unknown(look.leader):
         return look
-    claims = _challengers(inquiry, look, found)
-    return _contested(inquiry, _challenged(inquiry, look, claims) if claims else look, found)
+    claims = challengers(inquiry, look, found)
+    return _contested(inquiry, challenged(inquiry, look, claims) if claims else look, found)
 
 
 def in_one_number(inquiry: Inquiry, findings: Sequence[Look], search: Search) -> tuple[list[Look], Search]:
@@ -75,7 +70,7 @@ def in_one_number(inquiry: Inquiry, findings: Sequence[Look], search: Search) ->
         if without is None or not claims:
             continue
         present = rival_of(winner.proposal, search, without.deviance)
-        told = _challenged(inquiry, compared(evolve(look, before=without.fitted()), [present]), claims)
+        told = challenged(inquiry, compared(evolve(look, before=without.fitted()), [present]), claims)
         if told.leader.identity != winner.identity:
             looks[index], search = told, told.leader.search
     return looks, search
@@ -98,57 +93,6 @@ def reidentified(inquiry: Inquiry, look: Look, winner: Rival) -> Look:
     return look.led_by(winner.improved(found, gained))
 
 
-def _challengers(inquiry: Inquiry, look: Look, found: Sequence[Rival]) -> list[Proposal]:
-    """The best rivals that have fewer numbers than the winner, all that the structure may have wrong in one, if it has more,
-    and whatever else may act at its place, in plain forms."""
-    winner, *others = look.rivals
-    size, place = len(winner.proposal.parameters), winner.place
-    rivals = [r.proposal for r in others if not is_unknown(r) and len(r.proposal.parameters) < size][:CHALLENGERS]
-    claims = [p for p in open_claims(inquiry, look.before, [winner, *found]) if not p.refined and p.physics != UNKNOWN]
-    further = [
-        p for p in claims if place_of(p.location) == place or (len(p.parameters) == 1 < size and not accuses_instrument(p))
-    ]
-    return [*rivals, *(p for p in further if not any(is_same(p, rival) for rival in rivals))]
-
-
-def _challenged(inquiry: Inquiry, look: Look, claims: Sequence[Proposal]) -> Look:
-    """The look with other claims fitted from where its winner has driven the model's own numbers.
-
-    A load on a stiff tie is a mass that is wrong, and says so in more numbers; the mass may only have stayed in a valley. And
-    friction in proportion may have been on the way where a rate effect is not yet.
-    """
-    winner = look.leader
-    workshop, present = inquiry.workshop.equipped([claim.model for claim in claims]), winner.search.fitted()
-    origin = look.before.with_values_of(present)
-    starts = _promising_starts(workshop, origin, claims, inquiry.progress)
-    misfits = [
-        workshop.misfit(origin, claim.model).with_values_of(origin).with_values({**start, **_with_loads(claim, present.model)})
-        for claim, start in zip(claims, starts, strict=True)
-    ]
-    begun = begin_candidates(workshop.identifier, claims, misfits)
-    everyone = (len(begun), HEATS[0][1])  # begun without their physics all are alike, and none is behind yet
-    fitted = ranked_by_evidence(heats(begun, (everyone, *HEATS[1:]), inquiry.progress), winner.without)
-    ranked = best_forms(by_evidence([*look.rivals, *fitted]))
-    return compared(look, ranked) if not is_unknown(ranked[0]) else look
-
-
-def _promising_starts(
-    workshop: Workshop, origin: Misfit, claims: Sequence[Proposal], progress: Progress
-) -> list[Mapping[str, float]]:
-    """Where each claim begins: of several starts at that which promises most. A loss that begins elsewhere finds no way."""
-    several = [claim for claim in claims if len(claim.starts) > 1]
-    scored = scores(workshop, origin, several, 0.0, progress)
-    best = {form_of(claim): start for claim, start in promising(scored, 1, lambda claim: -np.inf)}
-    return [{path: v for path, v in best.get(form_of(c), {}).items() if path in c.parameters} for c in claims]
-
-
-def _with_loads(claim: Proposal, present: Model) -> dict[str, float]:
-    """The masses that a claim frees, with the loads on these bodies that the present model has and the claim's has not."""
-    values, own = present.values(), {body.name for body in claim.model.bodies}
-    loads = {f"body.{body.carrier}.mass": f"body.{body.name}.mass" for body in present.bodies if body.name not in own}
-    return {path: values[path] + values[loads[path]] for path in claim.parameters if path in loads}
-
-
 def _contested(inquiry: Inquiry, look: Look, found: Sequence[Rival]) -> Look:
     """The look with its winner, and what leaves hardly more at the same place, each in all forms.
 
@@ -157,7 +101,7 @@ def _contested(inquiry: Inquiry, look: Look, found: Sequence[Rival]) -> Look:
     """
     winner, place = look.leader, look.leader.place
     here = [rival for rival in look.rivals if not is_unknown(rival) and rival.place == place]
-    close = [rival for rival in here[: 1 + CHALLENGERS] if _is_close(rival, winner)]
+    close = [rival for rival in here[: 1 + CLOSEST] if _is_close(rival, winner)]
     leaves_little = winner.search.normalised <= CONCEALED or winner.search.deviance < LITTLE * winner.without
     if not leaves_little or len(close) < 2:
         return look

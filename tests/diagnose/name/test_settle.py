@@ -9,7 +9,7 @@ from crashkit.diagnose.claims import propose_all
 from crashkit.diagnose.fitting.candidates import Candidate
 from crashkit.diagnose.fitting.evidence import Rival, ranked_by_evidence, rival_of
 from crashkit.diagnose.fitting.search import begin
-from crashkit.diagnose.name import settle
+from crashkit.diagnose.name import challenge, settle
 from crashkit.diagnose.name.look import Look
 from crashkit.diagnose.name.settle import in_one_number, settled
 from crashkit.model import Joint, Parameter
@@ -62,11 +62,12 @@ def test_whatever_may_act_at_the_place_of_a_winner_challenges_it(workshop, inqui
     assert told.leader.search.deviance == pytest.approx(final.deviance, abs=1.0)
 
 
-def test_a_challenger_begins_where_it_promises_most(workshop, inquiry, misfit, recorded):
-    """A joint that breaks late is not found from the first place where a loss may begin."""
+@pytest.mark.parametrize("late", [0.5, 0.6, 0.75])
+def test_a_challenger_begins_where_it_promises_most(workshop, inquiry, misfit, recorded, late):
+    """A joint that breaks late is not found from the first place where a loss may begin, nor always from the best alone."""
     two = toys.two_degrees()
     loss = _claimed(workshop, misfit(two, run=recorded(two)), ("fracture", "compression"))
-    values = {"loss": 0.3, "softening_deformation": 0.5 * LONGEST, "softening_length": 0.1 * LONGEST}
+    values = {"loss": 0.3, "softening_deformation": late * LONGEST, "softening_length": 0.1 * LONGEST}
     wanted = {path: values[path.rsplit(".", 1)[1]] for path in loss.parameters}
     true = loss.model.with_parameters({path: evolve(loss.model.parameters()[path], value=v) for path, v in wanted.items()})
     base = begin(workshop.identifier, misfit(two, slow=recorded(true, 0.9, 1), fast=recorded(true, 1.2, 2))).advance(40)
@@ -126,9 +127,9 @@ def test_a_mass_that_challenges_a_load_begins_with_it(workshop, inquiry, misfit,
     loaded = workshop.misfit(given, load.model).with_values({load.parameters[0]: 50.0})
     winner = Rival(load, begin(workshop.identifier, loaded), 1e9, 1e9)
     begun = []
-    monkeypatch.setattr(settle, "begin_candidates", lambda identifier, claims, misfits: begun.extend(misfits) or [])
-    monkeypatch.setattr(settle, "heats", lambda *_: [])
-    settle._challenged(inquiry(winner.search), Look((winner,), (1.0,), 0.0, given), [mass])
+    monkeypatch.setattr(challenge, "begin_candidates", lambda identifier, claims, misfits: begun.extend(misfits) or [])
+    monkeypatch.setattr(challenge, "heats", lambda *_: [])
+    challenge.challenged(inquiry(winner.search), Look((winner,), (1.0,), 0.0, given), [mass])
     assert [one.model.values()["body.rear.mass"] for one in begun] == [pytest.approx(rear.value + 50.0)]
 
 
@@ -206,7 +207,7 @@ def test_what_leaves_hardly_more_at_its_place_is_asked_in_all_its_forms(
 
     monkeypatch.setattr(settle, "in_all_forms", in_all_forms)
     monkeypatch.setattr(settle, "reidentified", lambda inquiry, look, winner: look)
-    monkeypatch.setattr(settle, "_challengers", lambda inquiry, look, found: [])
+    monkeypatch.setattr(settle, "challengers", lambda inquiry, look, found: [])
     told = settled(inquiry(base), evolve(look, rivals=(winner, plain)), winner, [])
     assert asked == ([FRICTION, "viscous_damping"] if is_asked else [])
     assert told.leader.proposal.physics == ("viscous_damping" if is_asked else FRICTION)
