@@ -18,12 +18,14 @@ from crashkit.diagnose.name.explore import beside_reading, cheaper, explored
 from crashkit.diagnose.name.follow import Discovery, followed, leaves_no_second
 from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import LEAST_DROP, Look, look_again
+from crashkit.diagnose.name.look import LEAST_DROP, Look, compared, look_again
 from crashkit.diagnose.name.rivals import CONCEALED
 from crashkit.diagnose.name.settle import in_one_number, settled
 from crashkit.diagnose.name.vanished import told_by_vanished
 from crashkit.protocols import Proposal
 
+ALIKE = 3
+"""How many other causes that explain what the instruments that agree say are asked beside what is wrong with the others."""
 FOR_STRUCTURE = 0.6
 """Of the time for questions: what the instruments that agree may be asked before it is asked what is wrong with the others."""
 
@@ -78,12 +80,28 @@ def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | Non
     told = Discovery.of(inquiry.base, search, structure.findings)
     if any(map(_says_what_sensors_read, structure.findings)):
         return in_time(told, _read_by_all, inquiry, structure) or in_time(told, explored, inquiry)
-    unbent = evolve(inquiry, given=given.with_values_of(structure.search.fitted()))
-    wrong = _with_what_is_wrong(unbent, told, set_aside)
+    wrong = in_time(None, _with_what_is_wrong, inquiry, told, set_aside)
     if wrong is None:
         return in_time(told, explored, inquiry)
+    wrong = in_time(wrong, _or_another, inquiry, wrong, structure, set_aside)
     more = in_time(wrong, _with_more, inquiry, wrong)
     return in_time(more, _or_turning, inquiry, more, structure)
+
+
+def _or_another(inquiry: Inquiry, told: Discovery, structure: Discovery, waiting: tuple[Suspect, ...]) -> Discovery:
+    """What was told, or, where that leaves something, with another cause that explains what the instruments that agree say:
+    these may be too few to tell which it is."""
+    if told.search.normalised < UNEXPLAINED or len(structure.findings) != 1:
+        return told
+    look = structure.findings[0]
+    others = [rival for rival in look.rivals[1:] if explains(rival.search) and not turns(rival.proposal)]
+    for rival in others[:ALIKE]:
+        search = inquiry.fit_with([rival], rival.search)
+        led = compared(look, [rival, *(one for one in look.rivals[1:] if one is not rival)])  # the first leaves something
+        begun = Discovery.of(inquiry.base, search, (led,)) if search else None
+        other = _with_what_is_wrong(inquiry, begun, waiting) if begun else None
+        told = cheaper(told, other) if other else told
+    return told
 
 
 def _with_more(inquiry: Inquiry, told: Discovery) -> Discovery:
@@ -113,7 +131,11 @@ def _as_turning(structure: Discovery) -> Discovery | None:
 
 
 def _with_what_is_wrong(inquiry: Inquiry, told: Discovery, waiting: tuple[Suspect, ...]) -> Discovery | None:
-    """What was told, and what is wrong with the sensors that wait; None where nothing is, and they still contradict that."""
+    """What was told, and what is wrong with the sensors that wait; None where nothing is, and they still contradict that.
+
+    They are asked where those that agree have led the model's numbers.
+    """
+    inquiry = evolve(inquiry, given=inquiry.given.with_values_of(told.search.fitted()))
     findings, search = list(told.findings), told.search
     while waiting:
         found, concerns = [look.leader for look in findings], partial(_concern, waiting)
