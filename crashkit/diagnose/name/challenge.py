@@ -66,17 +66,23 @@ def _promising(
     best = promising(scores(workshop, origin, several, 0.0, progress), 1, lambda claim: -np.inf)
     others = [(p, {}) for p in claims if not any(is_same(p, claim) for claim, _ in best)]
     present = winner.search.fitted().model
-    begun = [*best, *others]
-    starts = [{path: start[path] for path in p.parameters if path in start} | _loads(p, present) for p, start in begun]
-    misfits = [with_form(workshop, origin, p, start) for (p, _), start in zip(begun, starts, strict=True)]
-    return begin_candidates(workshop.identifier, [p for p, _ in begun], misfits)
+    starts = [
+        (p, {path: start[path] for path in p.parameters if path in start} | masses)
+        for p, start in [*best, *others]
+        for masses in _masses(p, present)
+    ]
+    misfits = [with_form(workshop, origin, p, start) for p, start in starts]
+    return begin_candidates(workshop.identifier, [p for p, _ in starts], misfits)
 
 
-def _loads(claim: Proposal, present: Model) -> dict[str, float]:
-    """The masses that a claim frees, with the loads on these bodies that the present model has and the claim's has not."""
+def _masses(claim: Proposal, present: Model) -> list[dict[str, float]]:
+    """The masses that a claim frees where the present model loads them: as they are there, and with the loads, which may move
+    with them or be left behind; of another claim none."""
     values, own = present.values(), {body.name for body in claim.model.bodies}
     loads = {f"body.{body.carrier}.mass": f"body.{body.name}.mass" for body in present.bodies if body.name not in own}
-    return {path: values[path] + values[loads[path]] for path in claim.parameters if path in loads}
+    freed = [path for path in claim.parameters if path in loads]
+    laden = {path: values[path] + values[loads[path]] for path in freed}
+    return [laden, {path: values[path] for path in freed}] if freed else [{}]
 
 
 def _alike(
