@@ -32,7 +32,7 @@ from crashkit.diagnose.name.forms import in_all_forms, in_best_forms
 from crashkit.diagnose.name.inquiry import Inquiry
 from crashkit.diagnose.name.last_estimates import estimated_at_last
 from crashkit.diagnose.name.look import FORM_ERRORS, Look, compared, led, look_again
-from crashkit.diagnose.name.narrowed import as_bump, with_pulses
+from crashkit.diagnose.name.narrowed import as_bump, in_one_bump, with_pulses
 from crashkit.diagnose.name.nearby import Nearby, followed_nearby
 from crashkit.diagnose.name.needed import price
 from crashkit.diagnose.name.other_first import begun_otherwise
@@ -66,6 +66,7 @@ def explored(inquiry: Inquiry, near: Look | None = None) -> Discovery:
         near: the look from there, if it was made already.
     """
     told = _near_then_wide(inquiry, near)
+    told = in_time(told, in_one_bump, inquiry, told)
     return in_time(told, in_fewer_numbers, inquiry, told)
 
 

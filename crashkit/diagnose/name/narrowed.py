@@ -11,10 +11,11 @@ from crashkit.diagnose.fitting.evidence import (
     is_unknown,
     ranked_by_evidence,
 )
-from crashkit.diagnose.name.follow import NEEDED
+from crashkit.diagnose.fitting.search import Search
+from crashkit.diagnose.name.follow import NEEDED, Discovery
 from crashkit.diagnose.name.imitate import begun_beside
 from crashkit.diagnose.name.inquiry import Inquiry
-from crashkit.diagnose.name.look import Look, compared
+from crashkit.diagnose.name.look import Look, compared, led
 from crashkit.diagnose.name.pairs import named_instead
 from crashkit.protocols import Proposal
 
@@ -45,16 +46,33 @@ def as_bump(inquiry: Inquiry, look: Look) -> Look | None:
     known = next((rival for rival in look.rivals if not is_unknown(rival)), None)
     if known is None or not _is_of_deformation(look.leader.proposal) or known.place != look.leader.place:
         return None
-    table = look.leader
+    led_by_bump = _led_by_bump(inquiry, look, look.leader, known.search)
+    return None if led_by_bump is None or named_instead(inquiry, led_by_bump, led_by_bump.leader) else led_by_bump
+
+
+def in_one_bump(inquiry: Inquiry, found: Discovery) -> Discovery:
+    """What was found; or, where that is one known cause which in its best form leaves something that a table of the
+    deformation at its place does not, one bump there instead, if that explains everything.
+
+    A dent in a plateau looks like a fracture as long as hardly any run goes beyond it.
+    """
+    if len(found.findings) != 1 or explains(found.search):
+        return found
+    look = found.findings[0]
+    tables = (rival for rival in look.rivals[1:] if _is_of_deformation(rival.proposal) and rival.place == look.leader.place)
+    table = next(tables, None)
+    if is_unknown(look.leader) or table is None or found.search.deviance - table.search.deviance < NEEDED:
+        return found
+    told = _led_by_bump(inquiry, look, table, found.search)
+    return Discovery.of(inquiry.base, told.leader.search, (told,), found.last) if told else found
+
+
+def _led_by_bump(inquiry: Inquiry, look: Look, table: Rival, known: Search) -> Look | None:
+    """The look led by one bump instead of a table, if that explains everything that the best known cause leaves."""
     bumps = ranked_by_evidence(begun_beside(inquiry, table, look.before, _is_bump), table.without)
-    if not bumps or not _explains_what_is_left(bumps[0], known):
+    if not bumps or not explains(bumps[0].search) or known.deviance - bumps[0].search.deviance < NEEDED:
         return None
-    led_by_bump = compared(look, [bumps[0], *(rival for rival in look.rivals if rival.identity != table.identity)])
-    return None if named_instead(inquiry, led_by_bump, bumps[0]) else led_by_bump
-
-
-def _explains_what_is_left(bump: Rival, known: Rival) -> bool:
-    return explains(bump.search) and known.search.deviance - bump.search.deviance > NEEDED
+    return led(compared(look, [bumps[0], *(rival for rival in look.rivals if rival.identity != table.identity)]))
 
 
 def _is_bump(claim: Proposal) -> bool:
