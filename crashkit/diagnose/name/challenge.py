@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 from crashkit.campaign import spread
-from crashkit.diagnose.claims import Progress, accuses_instrument, is_same
+from crashkit.diagnose.claims import Progress, Start, accuses_instrument, is_same
 from crashkit.diagnose.fitting.candidates import Candidate, begin_candidates
 from crashkit.diagnose.fitting.contest import heats, promising, scores
 from crashkit.diagnose.fitting.evidence import Rival, best_forms, by_evidence, explains, is_unknown, ranked_by_evidence
@@ -64,7 +64,7 @@ def _promising(
     way."""
     several = [claim for claim in claims if len(claim.starts) > 1]
     best = promising(scores(workshop, origin, several, 0.0, progress), 1, lambda claim: -np.inf)
-    others = [(p, {}) for p in claims if not any(is_same(p, claim) for claim, _ in best)]
+    others: list[Start] = [(p, {}) for p in claims if not any(is_same(p, claim) for claim, _ in best)]
     present = winner.search.fitted().model
     starts = [
         (p, {path: start[path] for path in p.parameters if path in start} | masses)

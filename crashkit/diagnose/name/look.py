@@ -51,6 +51,7 @@ class Look:
         is_wide: whether it was made with everything in sight, and not only from the current numbers.
         formed: the fit for which the leader was last asked in all its forms, if it was.
         forms: the fits of these.
+        estimates: forces that no list has and that were put aside, where a known cause is told though they lead.
     """
 
     rivals: tuple[Rival, ...]
@@ -63,6 +64,7 @@ class Look:
     is_wide: bool = False
     formed: Search | None = None
     forms: tuple[Candidate, ...] = ()
+    estimates: tuple[Rival, ...] = ()
 
     @classmethod
     def of(cls, rivals: Sequence[Rival], before: Misfit, tried: int = 0) -> "Look":

@@ -59,8 +59,8 @@ def in_one_bump(inquiry: Inquiry, found: Discovery) -> Discovery:
     if len(found.findings) != 1 or explains(found.search):
         return found
     look = found.findings[0]
-    tables = (rival for rival in look.rivals[1:] if _is_of_deformation(rival.proposal) and rival.place == look.leader.place)
-    table = next(tables, None)
+    others = (*look.rivals[1:], *look.estimates)
+    table = next((one for one in others if _is_of_deformation(one.proposal) and one.place == look.leader.place), None)
     if is_unknown(look.leader) or table is None or found.search.deviance - table.search.deviance < NEEDED:
         return found
     told = _led_by_bump(inquiry, look, table, found.search)

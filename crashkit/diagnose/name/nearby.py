@@ -86,8 +86,9 @@ def followed_nearby(inquiry: Inquiry, near: Look) -> Nearby:
         return Nearby(near, None if is_at_noise(near.leader.search) else _two_at_once(inquiry, near, known[0].search))
     if _is_pointed_away(near, known[0]) and in_time(False, lambda: one_explains(inquiry.from_given.singles)):
         return Nearby(near)
-    first, search = _at_its_best(inquiry, compared(near, known))
-    near = compared(first, by_evidence([*first.rivals, *filter(is_unknown, near.rivals)]))
+    estimates = tuple(filter(is_unknown, near.rivals))
+    first, search = _at_its_best(inquiry, evolve(compared(near, known), estimates=estimates))
+    near = compared(first, by_evidence([*first.rivals, *estimates]))
     winner = first.winner
     if winner is None:
         return Nearby(near)

@@ -7,7 +7,7 @@ import xarray as xr
 from attrs import evolve
 
 from crashkit.campaign import spread
-from crashkit.diagnose.fitting.evidence import FLOOR, Rival
+from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.leftover import leaves_something
 from crashkit.diagnose.fitting.rebuild import rebuild
 from crashkit.diagnose.fitting.search import Search, begin
@@ -15,12 +15,13 @@ from crashkit.diagnose.fitting.sharpen import ROUGHLY, weighed_alike
 from crashkit.diagnose.locate.consistency import by_run, check_instruments
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.look import Look
-from crashkit.diagnose.result import UNKNOWN, Alternative, Diagnosis, Finding, Fit, place_of
+from crashkit.diagnose.result import UNKNOWN, Alternative, Diagnosis, Finding, Fit
 from crashkit.diagnose.show.action import action_of
 from crashkit.diagnose.show.expected_error import expected_error
 from crashkit.diagnose.show.experiment import experiment
 from crashkit.diagnose.show.finding import estimates, make_finding, stand_ins
 from crashkit.diagnose.show.fits import curves_of, fit_of, is_misleading, predict
+from crashkit.diagnose.show.one_force import are_one_force
 from crashkit.diagnose.show.run_drops import run_drops
 from crashkit.diagnose.show.tables import identified_table, limits_table, ranking_table
 from crashkit.diagnose.show.words import far_off, noted, summarise
@@ -35,6 +36,8 @@ BELIEVED, INCOMPLETE = 0.97, 0.5
 runs speak against: of 166 findings of unseen cases with at least 0.99, 97 % were there, and of 36 claims that left something
 21; of six that the held-out runs spoke against, one. The evidence only compares what was tried."""
 WORTH_TELLING = 1e-4
+Told = tuple[Finding, dict[str, xr.Dataset]]
+"""A finding, and by run what it adds."""
 
 
 def answer(
@@ -106,7 +109,7 @@ def _fit(predicted: tuple[Misfit, list[Prediction]]) -> Fit:
 def _findings(
     workshop: Workshop, discovery: Discovery, identified: Identification, unseen: tuple[Misfit, ...], belief: float
 ) -> tuple[tuple[Finding, ...], xr.DataTree]:
-    told: list[tuple[Finding, dict[str, xr.Dataset]]] = []
+    told: list[Told] = []
     for look in discovery.findings:
         rival = look.leader
         action = action_of(workshop, discovery.final, look.before, rival, unseen)
@@ -122,19 +125,25 @@ def _findings(
             max(float(group.times[-1]) for group in discovery.final.groups),
         )
         told.append((_with_experiment(workshop, discovery, finding, look), action))
-    if discovery.search.normalised > FLOOR and UNKNOWN in workshop.hypotheses:
-        told = _imitations_told(told, workshop.hypotheses[UNKNOWN].sentence)
+    if UNKNOWN in workshop.hypotheses:
+        told = _imitations_told(told, discovery, workshop.hypotheses[UNKNOWN].sentence)
     trees = {f"{number}/{run}": one for number, (_, action) in enumerate(told) for run, one in action.items()}
     return tuple(finding for finding, _ in told), xr.DataTree.from_dict(trees)
 
 
-def _imitations_told(
-    told: list[tuple[Finding, dict[str, xr.Dataset]]], sentence: str
-) -> list[tuple[Finding, dict[str, xr.Dataset]]]:
-    """Findings at one place become one, with the force of the first."""
-    places = dict.fromkeys(place_of(finding.location) for finding, _ in told)
-    together = [[one for one in told if place_of(one[0].location) == place] for place in places]
-    return [some[0] if len(some) == 1 else (stand_ins([f for f, _ in some], sentence), some[0][1]) for some in together]
+def _imitations_told(told: list[Told], discovery: Discovery, sentence: str) -> list[Told]:
+    """Findings at one place that imitate one force become one, with the force of the first."""
+    places = dict.fromkeys(look.leader.place for look in discovery.findings)
+    each = list(zip(told, discovery.findings, strict=True))
+    together = [[(one, look) for one, look in each if look.leader.place == place] for place in places]
+    return [one for some in together for one in _as_one(some, discovery, sentence)]
+
+
+def _as_one(some: Sequence[tuple[Told, Look]], discovery: Discovery, sentence: str) -> list[Told]:
+    told, findings = [one for one, _ in some], [finding for (finding, _), _ in some]
+    if not are_one_force([look for _, look in some], findings, discovery.search):
+        return told
+    return [(stand_ins(findings, sentence), told[0][1])]
 
 
 def _alternatives(look: Look, belief: float) -> list[Alternative]:
