@@ -124,6 +124,22 @@ def test_two_that_leave_too_little_of_all_runs_for_a_third_are_told(monkeypatch,
     assert told is None if strained else told.findings == tuple(looks)
 
 
+@pytest.mark.parametrize(("stand", "left", "is_told"), [(True, 1.1, True), (True, 1.2, False), (False, 1.1, False)])
+def test_two_that_stand_are_gone_on_with(monkeypatch, stand, left, is_told):
+    """They were only seen more finely; unless that leaves much, nothing is asked from the beginning."""
+    search = SimpleNamespace(misfit=SimpleNamespace(is_strained=lambda point: False), point=None, fitted=lambda: None)
+    monkeypatch.setattr(asking, "_with_all_runs", lambda inquiry, look, claims, fit: look)
+    monkeypatch.setattr(asking, "in_best_forms", lambda inquiry, findings, fit: (findings, fit))
+    monkeypatch.setattr(asking, "explains", lambda fit: False)
+    monkeypatch.setattr(asking, "leave_no_third", lambda findings, fit, base: False)
+    monkeypatch.setattr(asking, "look_again", lambda inquiry, current, found: [one.proposal.physics for one in found])
+    further = SimpleNamespace(search=SimpleNamespace(normalised=left))
+    monkeypatch.setattr(asking, "followed", lambda inquiry, begun, look: (further, look) if look == ["a", "b"] else None)
+    looks = [Look((Rival(Proposal(one, "", {}, None, (), {}), search, 9e3, 4e3),), (1.0,), 0.0, None) for one in "ab"]
+    told = asked_first(SimpleNamespace(base=search, fit_with=lambda claims, last: last), looks, stand)
+    assert told is (further if is_told else None)
+
+
 @pytest.mark.parametrize(
     ("joint", "left", "told"),
     [("first", 1.2, "progressive_folding"), ("first", 1.5, "unknown"), ("second", 1.2, "unknown")],

@@ -7,12 +7,14 @@ import pytest
 import xarray as xr
 from attrs import evolve
 
+from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.in_time import OutOfTimeError
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.locate.aside import Suspect
 from crashkit.diagnose.name import discover
 from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.look import Look
+from crashkit.protocols import Proposal
 
 
 @pytest.fixture
@@ -199,3 +201,37 @@ def test_a_body_that_turns_is_told_instead_of_two_causes(
     structure = Discovery.of(base, look.leader.search, (look,))
     assert discover._or_turning(None, told, structure) is (instead if is_taken else told)
     assert [one.proposal.physics for one in asked] == ["rotation"] * (findings == 2 and "turning" in rivals)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "told"),
+    [
+        (1.3, 1.0, ["carried_load", "gain_error"]),
+        (1.1, 1.0, ["relaxation", "gain_error"]),
+        (1.3, None, ["relaxation", "gain_error"]),
+    ],
+)
+def test_another_cause_is_told_that_leaves_less_once_what_is_wrong_is_put_right(monkeypatch, first, second, told):
+    """The instruments that agree were too few to tell the two apart."""
+
+    def claimed(physics, normalised=1.0):
+        search = SimpleNamespace(normalised=normalised, deviance=1e3 * normalised**2)
+        return Rival(Proposal(physics, "", {"joint": "first"}, None, (physics,), {}), search, 100.0, 50.0)
+
+    def with_gain(inquiry, begun, waiting):
+        if second is None:
+            return None
+        gain = claimed("gain_error", first if begun.findings[0].leader.proposal.physics == "relaxation" else second)
+        return SimpleNamespace(findings=(*begun.findings, Look((gain,), (1.0,), 0.0, None)), search=gain.search, final=None)
+
+    monkeypatch.setattr(discover, "explains", lambda search: True)
+    monkeypatch.setattr(discover, "_with_what_is_wrong", with_gain)
+    monkeypatch.setattr(discover, "cheaper", lambda *both: min(both, key=lambda one: one.search.deviance))
+    monkeypatch.setattr(discover.Discovery, "of", lambda base, search, findings: SimpleNamespace(findings=findings))
+    look = Look.of([claimed("relaxation"), claimed("carried_load")], None)
+    gain = claimed("gain_error", first)
+    wrong = SimpleNamespace(findings=(look, Look((gain,), (1.0,), 0.0, None)), search=gain.search)
+    inquiry = SimpleNamespace(base=None, fit_with=lambda rivals, last: last)
+    found = discover._or_another(inquiry, wrong, SimpleNamespace(findings=(look,)), ())
+    assert [one.leader.proposal.physics for one in found.findings] == [told, "gain_error"]
+    assert [rival.proposal.physics for rival in found.findings[0].rivals] == ["carried_load"] or found is wrong

@@ -142,6 +142,7 @@ def test_everything_is_asked_again_from_where_the_model_alone_leaves_half_as_muc
     monkeypatch.setattr(explore, "_found_widely", lambda inquiry, *others: inquiry.base)
     monkeypatch.setattr(explore, "estimated_at_last", lambda inquiry, found: found)
     monkeypatch.setattr(explore, "_where_it_acts", lambda inquiry, found: found)
+    monkeypatch.setattr(explore, "in_one_bump", lambda inquiry, found: found)
     monkeypatch.setattr(explore, "in_fewer_numbers", lambda inquiry, found: found)
     found = explore.explored(inquiry(alone[0], given=alone[0]))
     assert looked == leaves[:asked]

@@ -7,7 +7,7 @@ from crashkit.diagnose.claims import identity, propose_all
 from crashkit.diagnose.fitting.evidence import best_forms, ranked_by_evidence
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name import leaders
-from crashkit.diagnose.name.leaders import coupled_leaders, in_other_forms
+from crashkit.diagnose.name.leaders import beside_what_gives_way, coupled_leaders, in_other_forms
 from crashkit.diagnose.name.look import Look
 from crashkit.testing import toys
 
@@ -85,6 +85,17 @@ def test_other_forms_are_not_asked_of_a_couple_that_leaves_much(damped, monkeypa
     inquiry, look = damped
     monkeypatch.setattr(leaders, "HOPEFUL", 0.0)
     assert in_other_forms(inquiry, coupled_leaders(inquiry, look.rivals), look.leader.search) == []
+
+
+def test_an_obstacle_that_gives_way_is_found_beside_a_first_cause(lacking):
+    """Nobody saw it move."""
+    gives_way = ("obstacle_motion", "body wall")
+    numbers = (500.0, 2e5, 3e4, 1e7)
+    inquiry, look = lacking(gives_way, "crushing", numbers, lambda claim: identity(claim) == MASS)
+    best = beside_what_gives_way(inquiry, look.leader)[0]
+    assert look.leader.search.normalised > 2.0
+    assert best.search.normalised == pytest.approx(1.0, abs=0.05)
+    assert {identity(best.first), identity(best.second)} == {MASS, gives_way}
 
 
 def test_of_all_causes_those_two_leave_least(asked):

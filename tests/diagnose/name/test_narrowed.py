@@ -7,8 +7,9 @@ from crashkit.diagnose.claims import propose_all
 from crashkit.diagnose.fitting.evidence import ranked_by_evidence
 from crashkit.diagnose.fitting.search import begin
 from crashkit.diagnose.name import narrowed
+from crashkit.diagnose.name.follow import Discovery
 from crashkit.diagnose.name.look import Look
-from crashkit.diagnose.name.narrowed import as_bump, with_pulses
+from crashkit.diagnose.name.narrowed import as_bump, in_one_bump, with_pulses
 from crashkit.diagnose.result import place_of
 from crashkit.model import Joint, Parameter
 from crashkit.model.edit import with_joint
@@ -95,3 +96,25 @@ def test_none_is_told_where_a_known_cause_explains_as_much_or_acts_elsewhere(den
     for rival in (as_good, elsewhere):
         assert as_bump(inquiry, evolve(look, rivals=(table, rival))) is None
     assert as_bump(inquiry, evolve(look, rivals=(folds, table))) is None
+
+
+@pytest.mark.parametrize("put_aside", [False, True])
+def test_a_known_cause_that_leaves_something_gives_way_to_a_bump_at_its_place(dented, put_aside):
+    """Whether the table was weighed against it or put aside."""
+    inquiry, look = dented
+    table, folds = look.rivals
+    told = Look.of([folds], look.before) if put_aside else Look.of([folds, table], look.before)
+    told = evolve(told, estimates=(table,) if put_aside else ())
+    found = in_one_bump(inquiry, Discovery.of(inquiry.base, folds.search, (told,)))
+    assert [look.leader.proposal.form for look in found.findings] == ["bump"]
+    assert found.search.normalised == pytest.approx(1.0, abs=0.03)
+    assert found.findings[0].probabilities[0] == max(found.findings[0].probabilities)
+
+
+def test_it_does_not_where_it_leaves_nothing_or_no_table_leaves_less(dented, bumped):
+    inquiry, look = dented
+    table, folds = look.rivals
+    as_good = evolve(folds, search=bumped.leader.search)
+    for rivals in ([folds], [as_good, table], [folds, evolve(table, search=folds.search)]):
+        found = Discovery.of(inquiry.base, rivals[0].search, (Look.of(rivals, look.before),))
+        assert in_one_bump(inquiry, found) is found

@@ -32,26 +32,28 @@ def claim(physics, place="rails"):
 
 @pytest.fixture
 def two(monkeypatch):
-    """Whether two causes are told that leave so much, as the leaders, as two places, as the leaders in other forms, and as all
-    do, where the best of them alone leaves so much; and who was asked for."""
+    """Whether two causes are told that leave so much, as the leaders, as two places, as the leaders in other forms, as all do,
+    and as the first beside what gives way, where the best of them alone leaves so much; and who was asked for."""
     asked = []
 
     def answering(name, left):
         couples = [Couple(claim("peak_load"), claim("fracture"), leaving(one)) for one in left]
         return lambda *_: asked.append(name) or couples
 
-    def told(alone, leaders, places=(), everyone=(), base=9.0, forms=(), rivals=()):
+    def told(alone, leaders, places=(), everyone=(), base=9.0, forms=(), rivals=(), free=()):
         for name, left in {
             "coupled_leaders": leaders,
             "couples_at_two_places": places,
             "in_other_forms": forms,
+            "beside_what_gives_way": free,
         }.items():
             monkeypatch.setattr(nearby, name, answering(name, left))
         monkeypatch.setattr(nearby, "both", lambda inquiry, look: (look, evolve(look, couples=())))
         monkeypatch.setattr(nearby, "followed", lambda inquiry, begun, look: (begun[0].couples, look))
         claims = SimpleNamespace(couples=answering("from_given", everyone))
         inquiry = SimpleNamespace(base=leaving(base), from_given=claims)
-        question = inquiry, Look(tuple(rivals), (), 1.0, None), leaving(alone)
+        first = Rival(claim("joint_friction"), leaving(alone), 9.0, 9.0)
+        question = inquiry, Look((first, *rivals), (), 1.0, None), leaving(alone)
         found = _two_at_once(*question) or _two_of_all(*question)
         return [couple.search.normalised for couple in found] if found else None
 
@@ -84,16 +86,13 @@ def test_they_are_not_asked_for_where_one_alone_leaves_next_to_nothing(two):
         (3.0, [], "there are no two"),
     ],
 )
-def test_else_those_at_two_places_are_and_then_those_of_all(two, alone, together, why):
+def test_else_those_at_two_places_are_and_then_those_of_all_and_what_gives_way(two, alone, together, why):
     assert two(alone, together, [1.01], [1.0]) == [1.01], why
     assert two(alone, together, together, [1.0]) == [1.0], why
-    assert two(alone, together, together, together) is None, why
-    assert two.asked == ["coupled_leaders", "couples_at_two_places"] + 2 * [
-        "coupled_leaders",
-        "couples_at_two_places",
-        "in_other_forms",
-        "from_given",
-    ]
+    assert two(alone, together, together, together, free=[1.0]) == [1.0], why
+    assert two(alone, together, together, together, free=together) is None, why
+    everyone = ["coupled_leaders", "couples_at_two_places", "in_other_forms", "from_given", "beside_what_gives_way"]
+    assert two.asked == [*everyone[:2], *everyone[:4], *everyone, *everyone]
 
 
 def test_two_leaders_that_leave_next_to_nothing_in_other_forms_are_followed(two):

@@ -101,8 +101,8 @@ def test_all_is_asked_again_of_finer_recordings_and_the_claim_stands_where_time_
     beside = [Look((first,), (1.0,), 0.0, base.fitted())]
     asked = []
 
-    def discover(inquiry, looks):
-        asked.append((inquiry.unthinned, [rival for look in looks for rival in look.rivals]))
+    def discover(inquiry, looks, stand=False):
+        asked.append((inquiry.unthinned, [rival for look in looks for rival in look.rivals], stand))
         if len(asked) == 1:
             raise OutrunError(found, beside)
         if not is_answered:
@@ -112,7 +112,7 @@ def test_all_is_asked_again_of_finer_recordings_and_the_claim_stands_where_time_
 
     monkeypatch.setattr(diagnosis, "discover", discover)
     told = diagnosis._discovered_at_pace(Inquiry(workshop, given, base, None, {"run": recorded(model)}), [])
-    assert asked == [({"run": asked[0][0]["run"]}, []), ({}, [first, found])]
+    assert asked == [({"run": asked[0][0]["run"]}, [], False), ({}, [first, found], True)]
     assert [look.leader.drop for look in told.findings] == ([1.0] if is_answered and left == 1.0 else [1000.0, 1000.0])
 
 
