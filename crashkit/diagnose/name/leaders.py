@@ -50,13 +50,12 @@ def beside_what_gives_way(inquiry: Inquiry, first: Rival) -> list[Couple]:
     equipped = inquiry.workshop.equipped([claim.model for claim in claims])
     own = {path: first.search.values[path] for path in first.proposal.parameters}
     origin = alone.with_values_of(inquiry.given).with_values(own)
-    begun = [
-        (claim, with_form(equipped, origin, claim, {**claim.null, **start})) for claim in claims for start in claim.starts
-    ]
+    starts = [(claim, {**claim.null, **start}) for claim in claims for start in claim.starts]
+    misfits = [with_form(equipped, origin, *start) for start in starts]
     told = partial(inquiry.progress, f"taking in the recordings with {first.proposal.physics} and what gives way")
-    ends = spread(lambda one: grown(equipped.identifier, one[1]), begun, lambda done: told(done / len(begun)))
-    searches = begin_all(equipped.identifier, [misfit.with_values(end) for (_, misfit), end in zip(begun, ends, strict=True)])
-    couples = [Couple(first.proposal, claim, search) for (claim, _), search in zip(begun, searches, strict=True)]
+    ends = spread(partial(grown, equipped.identifier), misfits, lambda done: told(done / len(misfits)))
+    searches = begin_all(equipped.identifier, [one.with_values(end) for one, end in zip(misfits, ends, strict=True)])
+    couples = [Couple(first.proposal, claim, search) for (claim, _), search in zip(starts, searches, strict=True)]
     return each_once(in_heats(couples, HEATS))
 
 
