@@ -8,6 +8,7 @@ from typing import Any
 from benchmarks.blind.score import words
 from benchmarks.blind.trial import Record
 from crashkit.testing.concealed import SIZES
+from crashkit.testing.concealed.size import HIDDEN
 
 BINS = (0.0, 0.5, 0.8, 0.9, 0.95, 0.99, 1.0)
 """Edges of the probabilities of the reliability table."""
@@ -34,7 +35,7 @@ def kind_of(record: Record) -> str:
 def by_size(records: Sequence[Record]) -> str:
     """One line for nothing concealed, one for each size."""
     groups = {"nothing": [r for r in records if not r["physics"]]}
-    groups |= {size: [r for r in records if r["physics"] and r["truth"]["size"] == size] for size in SIZES}
+    groups |= {size: [r for r in records if r["physics"] and r["truth"]["size"] == size] for size in (HIDDEN, *SIZES)}
     return _table(_HEAD, [_summary(name, group) for name, group in groups.items() if group])
 
 

@@ -11,7 +11,8 @@ from crashkit.api import load_model, load_recordings
 from crashkit.model.checks import check_recording_against_model
 from crashkit.testing.concealed import EFFECTS, SIZES, make_case, read_answer, write_answer, write_case
 from crashkit.testing.concealed.effect import Stage
-from crashkit.testing.concealed.given import OFF
+from crashkit.testing.concealed.given import OFF, tuned
+from crashkit.testing.concealed.size import Tuning, left_when_fitted, named, samples
 from crashkit.testing.concealed.vehicle import draw_scene
 
 
@@ -98,6 +99,31 @@ def test_what_cannot_be_had_is_said(monkeypatch):
 def test_a_size_may_be_any_range():
     secret = make_case((1, 7), ("rate_dependence",), (90.0, 110.0), plain=True).answer["secrets"][0]
     assert 90.0 <= secret["left"] <= 110.0
+
+
+def test_what_the_free_parameters_make_up_for_leaves_nothing():
+    """However far they have to go, which two steps do not tell."""
+    scene = draw_scene(np.random.default_rng(2), plain=True)
+    recorded = samples(tuned(scene, np.array([0.5, -0.4, 0.3])))
+    assert Tuning.of(scene).left(recorded) > 20.0
+    assert left_when_fitted(scene, [], recorded) < 1.0
+
+
+def test_what_another_secret_makes_up_for_leaves_nothing_either():
+    scene = draw_scene(np.random.default_rng(2), plain=True)
+
+    def late(one, factor):
+        other = one.copy()
+        other.instruments["film"].clock_offset = 1e-3 * factor
+        return other
+
+    recorded = samples(late(scene, 1.5))
+    assert left_when_fitted(scene, [], recorded) > 20.0
+    assert left_when_fitted(scene, [late], recorded) < 1.0
+
+
+def test_what_leaves_less_than_anything_small_is_hidden():
+    assert [named(sigmas) for sigmas in (7.9, 8.1, 41.0, 9000.0)] == ["hidden", "small", "middle", "gross"]
 
 
 def test_a_plain_vehicle_has_one_body_one_law_and_every_instrument():

@@ -5,14 +5,14 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from attrs import frozen
+from attrs import evolve, frozen
 
 from crashkit.testing.concealed.body_effects import BODY_EFFECTS
 from crashkit.testing.concealed.effect import Effect, Maker, Stage
 from crashkit.testing.concealed.joint_effects import JOINT_EFFECTS
 from crashkit.testing.concealed.scene import Scene
 from crashkit.testing.concealed.sensor_effects import SENSOR_EFFECTS
-from crashkit.testing.concealed.size import Tuning, samples
+from crashkit.testing.concealed.size import Tuning, left_when_fitted, samples
 from crashkit.testing.concealed.vehicle import draw_scene
 
 EFFECTS: dict[str, Maker] = {**JOINT_EFFECTS, **BODY_EFFECTS, **SENSOR_EFFECTS}
@@ -27,7 +27,7 @@ _HARDEST = 8000.0
 
 @frozen
 class Secret:
-    """An effect at its strength; `change` and `left`: standard deviations, before and after the model is tuned."""
+    """An effect at its strength; `change` and `left`: standard deviations, before and after a model that lacks it is tuned."""
 
     effect: Effect
     strength: float
@@ -76,7 +76,17 @@ def _try(rng: np.random.Generator, scene: Scene, physics: Sequence[str], size: S
     full = scene
     for secret in secrets or ():
         full = secret.effect.into(full, secret.strength)
-    return Draft(scene, full, secrets) if secrets and _is_sane(full) else None
+    return Draft(scene, full, _as_left(scene, full, secrets)) if secrets and _is_sane(full) else None
+
+
+def _as_left(scene: Scene, full: Scene, secrets: list[Secret]) -> list[Secret]:
+    """Each secret with what it leaves once the model that lacks only it is fitted."""
+    recorded = samples(full)
+    added = [lambda told, factor, one=one: one.effect.into(told, factor * one.strength) for one in secrets]
+    return [
+        evolve(secret, left=left_when_fitted(scene, [*added[:index], *added[index + 1 :]], recorded))
+        for index, secret in enumerate(secrets)
+    ]
 
 
 def _sized(scene: Scene, effects: list[Effect], size: Size, rng: np.random.Generator) -> list[Secret] | None:
