@@ -152,6 +152,13 @@ def test_the_diagnosis_is_given_no_answer(tickets, staged, tmp_path):
     assert "accept" not in (tmp_path / "answers" / "case_0001.json").read_text()
 
 
+def test_what_the_model_takes_up_is_counted_apart(tickets, staged):
+    records = run_trial(tickets, Trial(10.0), None, 1)
+    records[1]["truth"]["size"] = "hidden"
+    assert "| hidden | 1 | 0 |" in by_size(records)
+    assert "| gross | 1 | 0 |" in by_size(records)
+
+
 def test_tables_count_what_is_right_and_what_failed(tickets, staged, tmp_path):
     records = run_trial(tickets, Trial(10.0), None, 1)
     assert "| nothing | 1 | 1 | 1 | 1 | 1 | 1 | 0 | 1.2 | 1.1 | 4 |" in by_size(records)
