@@ -10,7 +10,7 @@ from crashkit.diagnose.fitting.back_to_given import begun_at_given
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.fitting.rebuild import alone_again, rebuild
 from crashkit.diagnose.fitting.search import Search
-from crashkit.diagnose.name.look import COMPLETING, LEAST_DROP, Look, least_drop, least_of
+from crashkit.diagnose.name.look import COMPLETING, FORM_ERRORS, LEAST_DROP, Look, least_drop, least_of
 from crashkit.diagnose.workshop import Workshop
 from crashkit.misfit import Misfit
 from crashkit.protocols import Proposal
@@ -36,7 +36,7 @@ def needed(
     for look in findings:
         base = alone_again(base, [look.leader.search.fitted()])
     kept, without = list(findings), _without_each(workshop, findings, base, final, given)
-    while spare := _spare(kept, without, final):
+    while spare := _spare(kept, without, base, final):
         kept, final = [look for look in kept if look is not spare], without[spare.leader.identity] or base
         without = _without_each(workshop, kept, base, final, given)
     told = [evolve(look, before=_before(workshop, look, without[look.leader.identity] or base)) for look in kept]
@@ -59,24 +59,28 @@ def _as_given(without: Search, rival: Rival, given: Misfit) -> Search:
     return begun_at_given(without, given, str(joint)) if joint else without
 
 
-def _spare(kept: Sequence[Look], without: Without, final: Search) -> Look | None:
-    """The first finding that explains less beside the others than is asked of it."""
+def _spare(kept: Sequence[Look], without: Without, base: Search, final: Search) -> Look | None:
+    """The finding that explains least beside the others, if that is less than is asked of it; else the next such one."""
     fits = ((look, without[look.leader.identity]) for look in kept)
-    explained = [(look.leader, np.inf if fit is None else fit.deviance - final.deviance) for look, fit in fits]
-    pairs = zip(kept, explained, strict=True)
-    return next((look for look, (rival, drop) in pairs if drop < _asked(rival, explained, final.misfit)), None)
+    explained = [(look, np.inf if fit is None else fit.deviance - final.deviance) for look, fit in fits]
+    drops = [(look.leader, drop) for look, drop in explained]
+    all_together = base.deviance - final.deviance
+    ranked = sorted(explained, key=lambda one: one[1])
+    return next((look for look, drop in ranked if drop < _asked(look.leader, drops, all_together, final.misfit)), None)
 
 
-def _asked(rival: Rival, explained: Sequence[tuple[Rival, float]], misfit: Misfit) -> float:
+def _asked(rival: Rival, explained: Sequence[tuple[Rival, float]], together: float, misfit: Misfit) -> float:
     """Chi squared that a finding must explain beside all, which explain so much in the final fit.
 
     What one explained when it was found says less: thinned recordings hardly show what rings. One of three may have been found
-    before those that made it spare, and is asked at least what a third one is that leaves nothing.
+    before those that made it spare, and is asked at least what a third one is that leaves nothing. Of those at one place each
+    may do for most of what they explain together, and another for what its form is off by.
     """
     others = [one for one, _ in explained if one is not rival]
     third = COMPLETING * least_of(rival.proposal, least_drop(others)) if len(others) > 1 else 0.0
     there = [drop for one, drop in explained if one.place == rival.place and one is not rival and np.isfinite(drop)]
-    return max([price(rival.proposal, misfit), third, *(THERE * drop for drop in there)])
+    form = FORM_ERRORS[0] * together if others and all(one.place == rival.place for one in others) else 0.0
+    return max([price(rival.proposal, misfit), third, form, *(THERE * drop for drop in there)])
 
 
 def _before(workshop: Workshop, look: Look, without: Search) -> Misfit:

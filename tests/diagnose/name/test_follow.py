@@ -50,11 +50,11 @@ def test_a_finding_at_the_place_of_another_must_explain_a_share_of_it(workshop, 
     """The error of that one's form looks like a force there, and a force at another place is something else."""
     look, base, final = offered(800.0)
     here = evolve(look.leader)
-    asked = _asked(look.leader, [(here, explained)], final.misfit)
+    asked = _asked(look.leader, [(here, explained)], 0.0, final.misfit)
     assert asked == pytest.approx(max(LEAST_DROP, 0.05 * explained))
     assert (base.deviance - final.deviance > asked) is is_told
     moved = evolve(here, proposal=evolve(here.proposal, location={"joint": "elsewhere"}))
-    assert _asked(look.leader, [(moved, explained)], final.misfit) == LEAST_DROP
+    assert _asked(look.leader, [(moved, explained)], 1e9, final.misfit) == LEAST_DROP
 
 
 def test_one_of_three_is_asked_a_share_of_what_the_others_explained():
@@ -65,10 +65,10 @@ def test_one_of_three_is_asked_a_share_of_what_the_others_explained():
     ]
     misfit = SimpleNamespace(independent_samples=1000.0)
     explained = [(rival, rival.drop) for rival in rivals]
-    assert _asked(rivals[2], explained, misfit) == pytest.approx(900.0)
-    assert _asked(rivals[2], explained[1:], misfit) == LEAST_DROP
+    assert _asked(rivals[2], explained, 0.0, misfit) == pytest.approx(900.0)
+    assert _asked(rivals[2], explained[1:], 0.0, misfit) == LEAST_DROP
     accused = evolve(rivals[2], proposal=evolve(rivals[2].proposal, location={"sensor": "s"}))
-    assert _asked(accused, [*explained[:2], (accused, 100.0)], misfit) == pytest.approx(180.0)
+    assert _asked(accused, [*explained[:2], (accused, 100.0)], 0.0, misfit) == pytest.approx(180.0)
 
 
 def test_what_the_final_fit_loses_decides_and_not_what_thinned_recordings_had_shown():
@@ -83,7 +83,22 @@ def test_what_the_final_fit_loses_decides_and_not_what_thinned_recordings_had_sh
             ringing.leader.identity: SimpleNamespace(deviance=lost),
             gain.leader.identity: SimpleNamespace(deviance=49.0),
         }
-        assert _spare([ringing, gain], without, final) is spare
+        base = SimpleNamespace(deviance=lost)
+        assert _spare([ringing, gain], without, base, final) is spare
+
+
+@pytest.mark.parametrize(("place", "together", "spare"), [("rib", 1e5, 1), ("rib", 2e4, None), ("rail", 1e5, None)])
+def test_of_two_at_one_place_that_each_do_for_most_the_one_that_explains_less_beside_is_spared(place, together, spare):
+    """A peak like a bell, and a fracture, each left 0.1 % of what they explained together."""
+    fracture, peak = (
+        Look((Rival(Proposal(physics, "", {"joint": joint}, None, ("a",), {}), None, 9.0, 0.0),), (1.0,), 0.0, None)
+        for physics, joint in (("fracture", "rib"), ("peak_load", place))
+    )
+    base, final = (
+        SimpleNamespace(deviance=left, misfit=SimpleNamespace(independent_samples=1000.0)) for left in (together, 0.0)
+    )
+    fits = {one.leader.identity: SimpleNamespace(deviance=left) for one, left in ((fracture, 500.0), (peak, 300.0))}
+    assert _spare([fracture, peak], fits, base, final) is (None if spare is None else (fracture, peak)[spare])
 
 
 def test_what_is_kept_is_seen_against_the_model_without_what_was_dropped(workshop, model, offered):
