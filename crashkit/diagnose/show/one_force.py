@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from crashkit.diagnose.claims import accuses_instrument
 from crashkit.diagnose.fitting.evidence import FLOOR, OF_DEFORMATION, Rival, is_at_noise, is_unknown
 from crashkit.diagnose.fitting.search import Search
 from crashkit.diagnose.name.look import Look
@@ -12,15 +13,15 @@ AS_MUCH = 1.5
 
 
 def are_one_force(looks: Sequence[Look], findings: Sequence[Finding], search: Search) -> bool:
-    """Whether these findings at one place together leave something; or say no more than one force that depends on the
-    deformation, as two functions of that imitate any third; or none of them is told by its size.
+    """Whether these findings at one place of the structure together leave something; or say no more than one force that
+    depends on the deformation, as two functions of that imitate any third; or none of them is told by its size.
 
     Arguments:
         looks: in which each finding was made.
         findings: the same, as they are told.
         search: the fit with everything that was found.
     """
-    if len(looks) < 2:
+    if len(looks) < 2 or any(accuses_instrument(look.leader.proposal) for look in looks):
         return False
     return search.normalised > FLOOR or _says_as_much(looks) or not any(map(_has_a_size, findings))
 

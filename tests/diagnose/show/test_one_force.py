@@ -45,6 +45,12 @@ def test_one_alone_is_what_it_is():
     assert not are_one_force(looks()[:1], [finding("fracture", 1.0, 9.0)], leaving(1.3))
 
 
+def test_two_errors_of_one_sensor_are_no_force():
+    sensor = {"sensor": "s", "instrument": "accelerometer"}
+    wrong = [Look.of([rival(error, TWO, location=sensor)], None) for error in ("gain_error", "bias")]
+    assert not are_one_force(wrong, TOLD, leaving(1.06))
+
+
 def test_two_that_leave_something_imitate_one():
     assert are_one_force(looks(), TOLD, leaving(1.06))
 
