@@ -7,8 +7,7 @@ from typing import Any
 
 from benchmarks.blind.score import words
 from benchmarks.blind.trial import Record
-from crashkit.testing.concealed import SIZES
-from crashkit.testing.concealed.size import HIDDEN
+from crashkit.testing.concealed import HIDDEN, SIZES
 
 BINS = (0.0, 0.5, 0.8, 0.9, 0.95, 0.99, 1.0)
 """Edges of the probabilities of the reliability table."""

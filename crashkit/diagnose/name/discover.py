@@ -7,7 +7,7 @@ from attrs import evolve
 
 from crashkit.diagnose.claims import propose_all, sensors_read, turns
 from crashkit.diagnose.fitting.candidates import Candidate
-from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED, explains, ranked_by_evidence
+from crashkit.diagnose.fitting.evidence import FLOOR, UNEXPLAINED, Rival, explains, ranked_by_evidence
 from crashkit.diagnose.fitting.in_time import in_time, sooner
 from crashkit.diagnose.fitting.reidentify import reidentify
 from crashkit.diagnose.fitting.search import STEPS, begin
@@ -74,13 +74,12 @@ def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | Non
         return None
     base, progress = reidentify(workshop, rest), sooner(inquiry.progress, FOR_STRUCTURE)
     structure = in_time(Discovery.of(base, base), explored, Inquiry(workshop, rest, base, progress))
-    search = inquiry.fit_with([look.leader for look in structure.findings], structure.search)
-    if search is None:
+    told = _seen_by_all(inquiry, structure)
+    if told is None:
         return None
-    told = Discovery.of(inquiry.base, search, structure.findings)
     if any(map(_says_what_sensors_read, structure.findings)):
         return in_time(told, _read_by_all, inquiry, structure) or in_time(told, explored, inquiry)
-    wrong = in_time(None, _with_what_is_wrong, inquiry, told, set_aside)
+    wrong = _with_what_is_wrong(inquiry, structure, told, set_aside)
     if wrong is None:
         return in_time(told, explored, inquiry)
     wrong = in_time(wrong, _or_another, inquiry, wrong, structure, set_aside)
@@ -88,20 +87,31 @@ def _beside(inquiry: Inquiry, set_aside: tuple[Suspect, ...]) -> Discovery | Non
     return in_time(more, _or_turning, inquiry, more, structure)
 
 
+def _seen_by_all(inquiry: Inquiry, structure: Discovery) -> Discovery | None:
+    """What the instruments that agree say, fitted to all of them; None if it has no place there."""
+    search = inquiry.fit_with([look.leader for look in structure.findings], structure.search)
+    return Discovery.of(inquiry.base, search, structure.findings) if search else None
+
+
 def _or_another(inquiry: Inquiry, told: Discovery, structure: Discovery, waiting: tuple[Suspect, ...]) -> Discovery:
     """What was told, or, where that leaves something, with another cause that explains what the instruments that agree say:
     these may be too few to tell which it is."""
     if told.search.normalised < UNEXPLAINED or len(structure.findings) != 1:
         return told
-    look = structure.findings[0]
-    others = [rival for rival in look.rivals[1:] if explains(rival.search) and not turns(rival.proposal)]
+    others = [rival for rival in structure.findings[0].rivals[1:] if explains(rival.search) and not turns(rival.proposal)]
     for rival in others[:ALIKE]:
-        search = inquiry.fit_with([rival], rival.search)
-        led = compared(look, [rival, *(one for one in look.rivals[1:] if one is not rival)])  # the first leaves something
-        begun = Discovery.of(inquiry.base, search, (led,)) if search else None
-        other = _with_what_is_wrong(inquiry, begun, waiting) if begun else None
+        another = _led_by(structure, rival)
+        seen = _seen_by_all(inquiry, another)
+        other = _with_what_is_wrong(inquiry, another, seen, waiting) if seen else None
         told = cheaper(told, other) if other else told
     return told
+
+
+def _led_by(structure: Discovery, rival: Rival) -> Discovery:
+    """The same with its one finding led by a rival instead of the first, which leaves something of all instruments."""
+    look = structure.findings[0]
+    others = [one for one in look.rivals[1:] if one is not rival]
+    return evolve(structure, search=rival.search, findings=(compared(look, [rival, *others]),))
 
 
 def _with_more(inquiry: Inquiry, told: Discovery) -> Discovery:
@@ -125,17 +135,23 @@ def _as_turning(structure: Discovery) -> Discovery | None:
     """The same with its one finding led by a body that turns, if that explains everything, too."""
     if len(structure.findings) != 1:
         return None
-    look = structure.findings[0]
-    turning = [rival for rival in look.rivals[1:] if turns(rival.proposal) and explains(rival.search)]
-    return evolve(structure, search=turning[0].search, findings=(look.led_by(turning[0]),)) if turning else None
+    rivals = structure.findings[0].rivals[1:]
+    turning = [rival for rival in rivals if turns(rival.proposal) and explains(rival.search)]
+    return _led_by(structure, turning[0]) if turning else None
 
 
-def _with_what_is_wrong(inquiry: Inquiry, told: Discovery, waiting: tuple[Suspect, ...]) -> Discovery | None:
+def _with_what_is_wrong(
+    inquiry: Inquiry, structure: Discovery, told: Discovery, waiting: tuple[Suspect, ...]
+) -> Discovery | None:
     """What was told, and what is wrong with the sensors that wait; None where nothing is, and they still contradict that.
 
-    They are asked where those that agree have led the model's numbers.
+    They are asked where those that agree have led the model's numbers: a fit to all has bent them to what is wrong.
+
+    Arguments:
+        structure: what those that agree say, fitted to them.
+        told: the same, fitted to all.
     """
-    inquiry = evolve(inquiry, given=inquiry.given.with_values_of(told.search.fitted()))
+    inquiry = evolve(inquiry, given=inquiry.given.with_values_of(structure.search.fitted()))
     findings, search = list(told.findings), told.search
     while waiting:
         found, concerns = [look.leader for look in findings], partial(_concern, waiting)

@@ -42,5 +42,5 @@ def _estimates_force_at(place: str, rival: Rival) -> bool:
 
 def _has_a_size(finding: Finding) -> bool:
     """Whether the first of its numbers, which says how large it is, is told better than that it is there."""
-    size = next(iter(finding.parameters.values()))
-    return size.identifiable and abs(size.value) > size.std
+    size = next(iter(finding.parameters.values()), None)
+    return size is not None and size.identifiable and abs(size.value) > size.std

@@ -7,6 +7,6 @@ diagnosis may see, `write_answer` what it must find.
 from crashkit.testing.concealed.answer import read_answer, write_answer
 from crashkit.testing.concealed.case import Case, make_case, write_case
 from crashkit.testing.concealed.draft import EFFECTS
-from crashkit.testing.concealed.size import SIZES
+from crashkit.testing.concealed.size import HIDDEN, SIZES
 
-__all__ = ["EFFECTS", "SIZES", "Case", "make_case", "read_answer", "write_answer", "write_case"]
+__all__ = ["EFFECTS", "HIDDEN", "SIZES", "Case", "make_case", "read_answer", "write_answer", "write_case"]

@@ -218,7 +218,7 @@ def test_another_cause_is_told_that_leaves_less_once_what_is_wrong_is_put_right(
         search = SimpleNamespace(normalised=normalised, deviance=1e3 * normalised**2)
         return Rival(Proposal(physics, "", {"joint": "first"}, None, (physics,), {}), search, 100.0, 50.0)
 
-    def with_gain(inquiry, begun, waiting):
+    def with_gain(inquiry, structure, begun, waiting):
         if second is None:
             return None
         gain = claimed("gain_error", first if begun.findings[0].leader.proposal.physics == "relaxation" else second)
@@ -227,11 +227,24 @@ def test_another_cause_is_told_that_leaves_less_once_what_is_wrong_is_put_right(
     monkeypatch.setattr(discover, "explains", lambda search: True)
     monkeypatch.setattr(discover, "_with_what_is_wrong", with_gain)
     monkeypatch.setattr(discover, "cheaper", lambda *both: min(both, key=lambda one: one.search.deviance))
-    monkeypatch.setattr(discover.Discovery, "of", lambda base, search, findings: SimpleNamespace(findings=findings))
+    monkeypatch.setattr(discover, "_seen_by_all", lambda inquiry, structure: structure)
     look = Look.of([claimed("relaxation"), claimed("carried_load")], None)
     gain = claimed("gain_error", first)
     wrong = SimpleNamespace(findings=(look, Look((gain,), (1.0,), 0.0, None)), search=gain.search)
-    inquiry = SimpleNamespace(base=None, fit_with=lambda rivals, last: last)
-    found = discover._or_another(inquiry, wrong, SimpleNamespace(findings=(look,)), ())
+    found = discover._or_another(None, wrong, Discovery(None, None, look.leader.search, (look,)), ())
     assert [one.leader.proposal.physics for one in found.findings] == told
     assert [rival.proposal.physics for rival in found.findings[0].rivals] == ["carried_load"] or found is wrong
+
+
+def test_what_is_wrong_is_asked_where_the_instruments_that_agree_have_led_the_numbers(
+    workshop, model, misfit, recorded, inquiry, monkeypatch
+):
+    """A fit to all of them has bent the numbers to what is wrong."""
+    given = misfit(model, run=recorded(model))
+    force = next(name for name in given.names if name.endswith("force"))
+    unbent, bent = (begin(workshop.identifier, given.with_values({force: value})) for value in (7e4, 9e4))
+    asked = []
+    monkeypatch.setattr(discover, "look_again", lambda inquiry, *_: asked.append(inquiry.given.model.values()[force]))
+    structure, told = Discovery.of(unbent, unbent), Discovery.of(bent, bent)
+    discover._with_what_is_wrong(inquiry(bent), structure, told, (Suspect("front", "film", ("s",), False),))
+    assert asked == [pytest.approx(7e4)]

@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 
 import pytest
+from attrs import evolve
 
 from crashkit.diagnose.fitting.evidence import Rival
 from crashkit.diagnose.name.look import Look
@@ -73,3 +74,4 @@ def test_an_estimate_of_another_kind_or_place_or_beside_one_of_them_says_nothing
 def test_two_of_which_neither_is_told_by_its_size_are_one(second):
     assert are_one_force(looks(), [finding("fracture", 1.0, 3.0), second], TWO)
     assert not are_one_force(looks(), [TOLD[0], second], TWO)
+    assert are_one_force(looks(), [evolve(TOLD[0], parameters={}), second], TWO)
